@@ -1,10 +1,11 @@
 """The study of what changed: pairs of logs, or of measurements of a walker, with one difference.
 
-Of four pairs one has no difference, and in half both sides have an error of the model. Of three
-pairs of logs two have the same times and inputs on both sides. A difference is 4 to 9 errors of
-what constants of both sides and starts leave of it. Motions of logs come from Euler's method in
-fine steps, those of walkers from the reference simulator. Beside what `diagnose_change` says stand
-two absolute diagnoses, and the least of BIC over single differences.
+A quarter has no difference, and in half both sides have an error of the model: of a log an uneven
+scale or a drift, of a walker a smooth one. Of three pairs of logs two have the same inputs on both
+sides. Machines and walkers are those of the benchmark of causes, where dry friction of a joint or
+an axis is a constant; as there, a difference is so many errors of a reading, here after the refit
+of what both sides share. Beside what `diagnose_change` says stand two absolute diagnoses, and the
+least of BIC over single differences.
 """
 
 from __future__ import annotations
@@ -17,201 +18,160 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 import scores
-from scores import FEW, markdown
+from causes import walkers
+from causes.make import KINDS, STRENGTH, simulated
+from scores import CLAIMS, Answer, markdown, share
 
-from blind.readings import STEP, simulate_reference
+from blind.kinds import ERROR_SHARE
+from blind.own import COUNT, MACHINES, MODEL_ERRORS, NOISE, SERVO, _error, refitted
+from blind.readings import velocities
+from blind.settings import PULSES
+from blind.truth import Hidden, Truth
 from stickslip import (
-    Diagnosis,
-    Measurement,
-    Prior,
-    Scenario,
-    Series,
-    diagnose,
-    diagnose_change,
-    diagnose_model,
+    Diagnosis, Measurement, Prior, Scenario, Series, diagnose, diagnose_change, diagnose_model,
     models,
-)
-from stickslip.diagnosis.decision.verdict import CLAIMS
+)  # fmt: skip
 
 Row = dict[str, Any]
 Array = np.ndarray
-COUNT, STAIR, FINE = 240, 12, 40  # readings; of them one input; steps of Euler's method
-STRENGTH, ERROR = (4.0, 9.0), (5.0, 20.0)  # of the difference, and of the model's error, in errors
-STATED, NOISE = 0.05, (0.01, 0.03)  # errors: relative of constants; of the readings' scatter
-SURE = 3.0  # errors of a constant that two logs tell
+ORDER = ("joint", "axis", "thermal", "servo", "joint", "axis", "thermal", "walker")
+DRY = 0.2  # error of dry friction as a constant
+TRIES, NEAR = 12, 0.1  # simulations by which a difference gets its strength, and how nearly
+SLOPE_STEP, SURE = 1e-3, 3.0  # of a constant; errors of a constant that two diagnoses tell
 
 
-class Kind(NamedTuple):
-    """A machine: stated constants, step (s), size of the input, what may change and its unit.
+class Machine(NamedTuple):
+    """What is true of both sides, usual sizes of differences, and readings of a side.
 
-    `errors` are of the model and their units: one that nobody lists, and one that is listed.
+    `shared` are the names that are refitted, with steps; `pair` makes both sides of readings.
     """
 
-    model: Callable[..., Any] | None
-    input: str
-    step: float
-    size: float
-    constants: dict[str, float]
+    base: dict[str, float]
+    shared: dict[str, float]
     changes: dict[str, float]
-    errors: dict[str, float]
+    read: Callable[[int, dict[str, float]], Array]
+    error: Callable[[Array], Array]
+    errors: Callable[[Array], Array]
+    pair: Callable[[list[Array]], tuple[Any, Any, Any]]
 
 
-_PLACE = 0.01, 1.0
-KINDS = {
-    "joint": Kind(
-        models.joint, "torque", 0.01, 0.3, {"inertia": 0.012, "viscous": 0.05, "coulomb": 0.01},
-        {"inertia change": 6e-4, "viscous change": 2e-3, "coulomb change": 2e-3, "load after": 3e-3,
-         "quadratic after": 5e-4, "quadratic before": 5e-4, "zero after": 0.02,
-         "scale after": 0.02},
-        {"ripple": 5e-3, "quadratic": 1e-3},
-    ),
-    "axis": Kind(
-        models.axis, "command", 0.01, 5.0, {"mass": 2.0, "viscous": 8.0, "coulomb": 0.3},
-        {"mass change": 0.1, "viscous change": 0.2, "coulomb change": 0.05, "load after": 0.1,
-         "quadratic after": 0.5, "dead_zone before": 0.05, "scale after": 0.02},
-        {"ripple": 0.2, "quadratic": 1.0},
-    ),
-    "thermal": Kind(
-        models.thermal, "power", 5.0, 60.0, {"capacity": 400.0, "loss": 1.5},
-        {"capacity change": 10.0, "loss change": 0.04, "loss_growth after": 2e-3,
-         "loss_growth before": 2e-3, "zero after": 0.3, "power_error after": 0.02},
-        {"wave": 2.0, "loss_growth": 2e-3},
-    ),
-    "walker": Kind(
-        None, "", 0.0, 0.0, {"contact.kinetic_friction": 0.145, "drag.linear": 1.2e-5},
-        {"contact.kinetic_friction change": 0.01, "drag.linear change": 2e-6,
-         "surface_tilt after": 0.01, "surface_tilt before": 0.01, "velocity_offset after": 3e-5},
-        {"friction_anisotropy": 0.05, "surface_tilt": 0.02},
-    ),
-}  # fmt: skip
-ORDER = ("joint", "axis", "thermal", "joint", "axis", "thermal", "joint", "walker")
-DRIVES = [(way, f) for way in ("+x", "-x") for f in (25.0, 40.0, 60.0, 90.0)]
-_NAMES = {"friction_anisotropy": "fraction", "surface_tilt": "angle"}
+def _log(kind: str, alike: bool, draw: np.random.Generator) -> Machine:
+    own = KINDS[kind]
+    stated = dict(own["constants"])
+    if kind in ("joint", "axis"):
+        stated["coulomb"] = own["hidden"]["coulomb"], DRY
+    t, name = own["step"] * np.arange(COUNT), own["input"].partition(" (")[0]
+    inputs = [np.repeat(draw.uniform(-1.0 + (kind == "thermal"), 1.0, 12), COUNT // 12)
+              * MACHINES.get(kind, SERVO) for _ in range(2)]  # fmt: skip
+    inputs[1] = inputs[0] if alike else inputs[1]
+    base = {key: value * (1.0 + part * draw.standard_normal())
+            for key, (value, part) in stated.items()}  # fmt: skip
+    base |= {**own["known"], "start": 293.0 if kind == "thermal" else 0.0}
+    wrong, phase = str(draw.choice(MODEL_ERRORS)), int(draw.integers(2**31))
+
+    def pair(seen: list[Array]) -> tuple[Any, Any, Any]:
+        known = {key: (value, part * value) for key, (value, part) in stated.items()}
+        model = getattr(models, kind)(without=own["without"], **known, **own["known"])
+        unit = own["reads"].rstrip(")").split(" (")[1]
+        logs = [Series(t, y, {name: u}, unit=unit) for y, u in zip(seen, inputs, strict=True)]
+        return (*logs, model)
+
+    return Machine(
+        base, {key: SLOPE_STEP * base[key] or SLOPE_STEP for key in (*stated, "start")},
+        {**{key: 0.2 * base[key] for key in stated},
+         **{key: size for key, size in own["hidden"].items() if key not in stated}},
+        lambda k, p: simulated(kind, p, t, inputs[k]),
+        lambda seen: _error(wrong, t, seen, np.random.default_rng(phase)),
+        lambda seen: np.full(len(seen), NOISE * float(np.std(seen))), pair,
+    )  # fmt: skip
 
 
-def _moved(kind: str, t: Array, u: Array, p: dict[str, float]) -> Array:
-    """Readings of a machine, by Euler's method."""
-    of, h = KINDS[kind], (t[1] - t[0]) / FINE
-    x, v, seen = 0.0, p.get("start", 0.0), []
-    for k, acts in enumerate(u.tolist()):
-        seen.append(v if kind != "axis" else x)
-        for part in range(FINE if k + 1 < len(u) else 0):
-            if kind == "thermal":
-                wave = p.get("wave", 0.0) * math.sin(4.0 * math.pi * (t[k] + part * h) / t[-1])
-                power = acts * (1.0 + p.get("power_error", 0.0)) + wave
-                lost = p["loss"] * v + p.get("loss_growth", 0.0) * v * abs(v)
-                v += h * (power - lost) / p["capacity"]
-                continue
-            dead = p.get("dead_zone", 0.0)
-            force = acts - math.copysign(min(abs(acts), dead), acts)
-            force -= p["coulomb"] * math.tanh(v / 1e-3) + p.get("load", 0.0) + p["viscous"] * v
-            force -= p.get("quadratic", 0.0) * v * abs(v)
-            force -= p.get("ripple", 0.0) * math.sin(x / (0.05 if kind == "axis" else 1.0))
-            v += h * force / p[next(iter(of.constants))]
-            x += h * v
-    return np.array(seen) * (1.0 + p.get("scale", 0.0)) + p.get("zero", 0.0)
+def _walker(draw: np.random.Generator) -> Machine:
+    drives, stated = walkers.drives(), walkers.STATED
+    base = {key: float(prior.value(draw.standard_normal())) for key, prior in stated.items()}
+    number = float(draw.integers(2**31))
+    usual = {key: {**walkers.entry(key).fixed, **walkers.entry(key).sizes[0]}
+             for key in walkers.HIDDEN}  # fmt: skip
+
+    def read(k: int, p: dict[str, float]) -> Array:
+        hidden = {key: Hidden(p[key], usual[key]) for key in usual if p.get(key)}
+        if "wrong" in p:
+            hidden["smooth_error"] = Hidden(p["wrong"], {"number": number})
+        constants = {key: p[key] for key in stated}
+        return velocities(Truth("walker", (), constants, hidden), drives, walkers.STEP)
+
+    def pair(seen: list[Array]) -> tuple[Any, Any, Any]:
+        sides, priors = [], {key: Prior(one.kind, one.first, one.second)
+                             for key, one in stated.items()}  # fmt: skip
+        for level in seen:
+            rows = [{"velocity": v + s * draw.standard_normal(), "trial": k, **drive}
+                    for v, s, drive in zip(level, errors(level), drives, strict=True)
+                    for k in range(walkers.TRIALS)]  # fmt: skip
+            nominal = Scenario().replace({"drive.pulses": PULSES})
+            sides.append(Measurement.from_dataframe(pd.DataFrame(rows), nominal, priors))
+        return (*sides, None)
+
+    def errors(level: Array) -> Array:
+        return np.hypot(walkers.SCATTER * level, walkers.FLOOR)
+
+    return Machine(
+        base, {key: 10.0 * SLOPE_STEP * value for key, value in base.items()},
+        {**{key: 0.1 * value for key, value in base.items()}, **dict.fromkeys(usual, 1.0)}, read,
+        lambda seen: read(0, {**base, "wrong": 1.0}) - read(0, base), errors, pair,
+    )  # fmt: skip
 
 
-def _walked(_: str, t: Array, u: Array, p: dict[str, float]) -> Array:
-    """Velocities of a walker at `DRIVES`, m/s, by the reference simulator."""
-    effects = {name: {word: p[name]} for name, word in _NAMES.items() if p.get(name)}
-    sections: dict[str, dict[str, float]] = {"contact": {}, "drag": {}}
-    for key in KINDS["walker"].constants:
-        section, _, name = key.partition(".")
-        sections[section][name] = p[key]
-    found = [
-        simulate_reference(
-            {"base": 5e-4, "pulses": 6, "direction": way, "frequency": f}, None,
-            sections["contact"], sections["drag"], effects, STEP,
-        ).mean_velocity for way, f in DRIVES
-    ]  # fmt: skip
-    return np.array(found) + p.get("velocity_offset", 0.0)
-
-
-def made(seed: int) -> tuple[Row, list[Any], Any]:
-    """What is hidden, both sides, and the model of logs or what is uncertain of a walker."""
-    draw = np.random.default_rng([47, seed])
-    kind = ORDER[seed % len(ORDER)]
-    of, moved = KINDS[kind], _walked if kind == "walker" else _moved
-    name = "" if draw.random() < 0.25 else str(draw.choice(list(of.changes)))
-    error = str(draw.choice(list(of.errors))) if draw.random() < 0.5 else ""
+def made(seed: int) -> tuple[Row, Any, Any, Any]:
+    """What is hidden, both sides, and the model of logs."""
+    draw, kind = np.random.default_rng([47, seed]), ORDER[seed % len(ORDER)]
+    changed, bent = draw.random() >= 0.25, bool(draw.random() < 0.5)
     alike = kind == "walker" or bool(draw.random() < 2 / 3)
-    t = of.step * np.arange(COUNT)
-    inputs = []
-    for _ in range(2):
-        stairs = of.size * np.repeat(draw.uniform(-1.0, 1.0, COUNT // STAIR), STAIR)
-        inputs.append(np.abs(stairs) if kind == "thermal" else stairs)
-    inputs = [inputs[0], inputs[0] if alike else inputs[1]]
-    truth = {key: value * (1.0 + STATED * draw.standard_normal())
-             for key, value in of.constants.items()}  # fmt: skip
+    of = _walker(draw) if kind == "walker" else _log(kind, alike, draw)
+    plain = np.array([of.read(k, of.base) for k in (0, 1)])
+    sd = np.array([of.errors(level) for level in plain])
+    moves = []
+    for key, step in of.shared.items():
+        each = [of.read(k, {**of.base, key: of.base[key] + step}) for k in (0, 1)] - plain
+        # Each side has a start of its own.
+        parts = [each] if key != "start" else [each * [[1], [0]], each * [[0], [1]]]
+        moves += [(part / sd).ravel() / step for part in parts]
 
-    def both(p: dict[str, float], change: str = "", size: float = 0.0) -> Array:
-        base, _, word = change.rpartition(" ")
-        sides = [{**p, base: p.get(base, 0.0) + size} if change and word == side else p
-                 for side in ("before", "after" if word != "change" else "change")]  # fmt: skip
-        rows = [moved(kind, t, u, one) for u, one in zip(inputs, sides, strict=True)]
-        return np.concatenate(rows)
+    def strength(level: Array) -> float:
+        left = refitted(((level - plain) / sd).ravel(), np.array(moves).T)
+        return float(np.sqrt(np.mean(left**2)))
 
-    plain = both(truth)
-    if kind == "walker":
-        sd = np.abs(plain) * 0.02 / math.sqrt(3.0)
-    else:
-        sd = np.full(len(plain), float(np.std(plain)) * draw.uniform(*NOISE))
-    slopes = [(both({**truth, key: value * 1.01}) - plain) / (0.01 * value) * STATED * value
-              for key, value in truth.items()]  # fmt: skip
+    wanted, name, found, level = draw.uniform(*STRENGTH), "", 0.0, plain
+    for key in draw.permutation([*of.changes]).tolist() if changed else []:
+        constant = key in of.base
+        size = of.changes[key] * (draw.choice([-1.0, 1.0]) if constant else 1.0)
+        side = 1 if constant else int(draw.integers(2))
+        for _ in range(TRIES):
+            level = plain.copy()
+            level[side] = of.read(side, {**of.base, key: of.base.get(key, 0.0) + size})
+            found, name = strength(level), f"{key}[{('before', 'after')[side]}]"
+            if abs(found / wanted - 1.0) < NEAR:
+                break
+            # What is beyond a limit acts as the limit falls.
+            power = -0.7 if key == "saturation" else 0.7
+            size *= float(np.clip(wanted / max(found, 1e-3), 0.5, 2.0)) ** power
+            if constant and size < -0.9 * of.base[key]:
+                break
+        if abs(found / wanted - 1.0) < NEAR:
+            break  # some cannot be as strong: dry friction stops the machine first
+    if bent:
+        wrong = np.array([of.error(each) for each in level])
+        wrong *= draw.uniform(*ERROR_SHARE) * wanted / strength(plain + wrong)
+        level = level + wrong
     if kind != "walker":
-        begun = both({**truth, "start": 1e-2 * float(np.std(plain))}) - plain
-        half = np.arange(len(plain)) < COUNT
-        slopes += [100.0 * begun * half, 100.0 * begun * ~half]
-    columns = np.vstack([np.array(slopes).T / sd[:, None], np.eye(len(slopes))])
-    basis = np.linalg.qr(columns)[0]
-
-    def strength(effect: Array) -> float:
-        rows = np.concatenate([effect / sd, np.zeros(len(slopes))])
-        return float(np.linalg.norm(rows - basis @ (basis.T @ rows)))
-
-    if error:
-        unit = of.errors[error]
-        asked = draw.uniform(*ERROR) / strength(both({**truth, error: unit}) - plain)
-        truth[error] = unit * asked
-        plain = both(truth)
-    size, s = 0.0, 0.0
-    if name:
-        asked = float(draw.uniform(*STRENGTH))
-        size = of.changes[name] * (-1.0 if name.endswith("change") and draw.random() < 0.5 else 1.0)
-        for _ in range(3):
-            s = strength(both(truth, name, size) - plain)
-            size *= asked / s
-        plain = both(truth, name, size)
-        s = asked
-    answer = {"kind": kind, "change": name, "error": error, "alike": alike, "strength": s}
-    if kind == "walker":
-        return {**answer, "size": size}, _measurements(draw, plain), None
-    read = np.split(plain + sd * draw.standard_normal(len(plain)), 2)
-    assert of.model is not None
-    model = of.model(**{key: (value, STATED * value) for key, value in of.constants.items()})
-    logs = [Series(t, y, {of.input: u}, sd=float(sd[0]), unit=model.unit)
-            for y, u in zip(read, inputs, strict=True)]  # fmt: skip
-    return {**answer, "size": size}, logs, model
-
-
-def _measurements(draw: np.random.Generator, plain: Array) -> list[Measurement]:
-    uncertain = {key: Prior("normal", value, STATED * value)
-                 for key, value in KINDS["walker"].constants.items()}  # fmt: skip
-    scenario = Scenario().replace({"drive.base": 5e-4, "drive.pulses": 6})
-    tables = [
-        pd.DataFrame(
-            {"direction": way, "frequency": f, "trial": k,
-             "velocity": v * (1.0 + 0.02 * draw.standard_normal())}
-            for (way, f), v in zip(DRIVES, side, strict=True) for k in range(3)
-        ) for side in np.split(plain, 2)
-    ]  # fmt: skip
-    return [Measurement.from_dataframe(table, scenario, uncertain) for table in tables]
+        level = level + sd * draw.standard_normal(level.shape)
+    before, after, model = of.pair([*level])
+    row = {"kind": kind, "change": name, "error": bent, "alike": alike, "strength": round(found, 2)}
+    return row, before, after, model
 
 
 def judged(seed: int) -> Row:
     """What is hidden, and what the comparison, two absolute diagnoses and BIC say."""
-    answer, (before, after), model = made(seed)
+    row, before, after, model = made(seed)
     begin = time.process_time()
     if model is None:
         found = diagnose(after, against=before, threads=1)
@@ -221,36 +181,30 @@ def judged(seed: int) -> Row:
     alone = [diagnose(one, threads=1) if model is None else diagnose_model(model, one)
              for one in (before, after)]  # fmt: skip
     others = 0.5 * (time.process_time() - begin - spent)
-    paired = any(table.less is not None for table in found.problem.tables)
+    if row["change"] not in {cause.name for cause in found.problem.causes} | {""}:
+        # Of differences of readings the earlier side has the later one's causes, of other sign.
+        row["change"] = row["change"].replace("[before]", "[after]")
     return {
-        **answer, "paired": paired, "verdict": found.verdict.kind,
-        "causes": list(found.verdict.causes), "p": round(found.findings.test.p_value, 5),
-        "absolute": _absolute(alone), "bic": _bic(found), "seconds": round(spent, 2),
-        "seconds_of_one": round(others, 2),
+        **row, "verdict": found.verdict.kind, "causes": list(found.verdict.causes),
+        "p": round(found.findings.test.p_value, 5), "absolute": _absolute(alone),
+        "bic": _bic(found), "seconds": round(spent, 2), "seconds_of_one": round(others, 2),
     }  # fmt: skip
 
 
 def _absolute(alone: Sequence[Diagnosis]) -> list[str]:
     """What two diagnoses say: causes that one has alone; else the constant that differs most."""
     if any(each.verdict.kind not in (*CLAIMS, "none") for each in alone):
-        return ["unknown"]
-    causes = [set(each.verdict.causes) for each in alone]
-    said = [f"{name} before" for name in causes[0] - causes[1]]
-    said += [f"{name} after" for name in causes[1] - causes[0]]
-    constants = {parameter.name for parameter in alone[0].problem.constants
-                 if parameter.cause or not parameter.name.startswith("start")}  # fmt: skip
-    said = [f"{name.rpartition(' ')[0]} change" if name.rpartition(" ")[0] in constants else name
-            for name in said]  # fmt: skip
+        return []
+    one, two = (set(each.verdict.causes) for each in alone)
+    constants = {each.name for each in alone[0].problem.constants if each.cause}
+    said = {f"{name}[{'after' if name in two | constants else 'before'}]" for name in one ^ two}
     if said:
         return sorted(said)
     tables = [each.best.params for each in alone]
-    apart = {
-        name: abs(tables[0]["value"][name] - tables[1]["value"][name])
-        / math.hypot(*(table["sd"][name] for table in tables))
-        for name in constants & set(tables[0].index) & set(tables[1].index)
-    }
+    apart = {name: abs(tables[0]["value"][name] - tables[1]["value"][name])
+             / math.hypot(*(table["sd"][name] for table in tables)) for name in constants}  # fmt: skip
     name = max(apart, key=lambda each: apart[each])
-    return [f"{name} change"] if apart[name] > SURE else []
+    return [f"{name}[after]"] if apart[name] > SURE else []
 
 
 def _bic(found: Diagnosis) -> list[str]:
@@ -261,83 +215,42 @@ def _bic(found: Diagnosis) -> list[str]:
     return sorted(min(fits, key=lambda fit: fit.chi2 + len(fit.free) * count).names)
 
 
-def is_it(name: str, row: Row) -> bool:
-    """Whether a cause is the hidden one; of differences of readings only the sign tells the side
-    of what may have either."""
-    if name == row["change"] or not row["paired"]:
-        return name == row["change"]
-    base, _, _ = name.rpartition(" ")
-    return base == row["change"].rpartition(" ")[0] and base in ("surface_tilt", "velocity_offset")
+def answer(row: Row, whose: str = "causes") -> Answer:
+    """What is said beside what is hidden; what both sides have is no difference.
 
-
-def told(causes: Sequence[str], row: Row) -> str:
-    """What an answer of causes is: right, wrong, missed, or sound where nothing changed.
-
-    What both sides have is no change, and no error where both have it.
+    Without one any verdict but `none`, and what both sides have, says a change.
     """
-    changes = [name for name in causes if not name.endswith(" both")]
-    if not row["change"]:
-        return "wrong" if changes else "right"
-    if not changes:
-        return "missed"
-    return "right" if len(changes) == 1 and is_it(changes[0], row) else "wrong"
-
-
-def of_ours(row: Row) -> str:
-    """The same of a verdict, and `set` where a set of at most three has the truth.
-
-    Where nothing changed, all is wrong but `none` and what both sides have: also a set, and a
-    change that nobody lists.
-    """
-    if not row["change"] and row["verdict"] not in (*CLAIMS, "none"):
-        return "wrong"
-    if row["verdict"] in CLAIMS:
-        return told(row["causes"], row)
-    if row["verdict"] == "none":
-        return told([], row)
-    if row["verdict"] == "ambiguous":
-        has = any(is_it(name, row) for name in row["causes"])
-        return ("set" if len(row["causes"]) <= FEW else "larger set") if has else "other set"
-    return "unexplained"
+    said = [name for name in row[whose] if "[" in name]
+    verdict = row["verdict"] if whose == "causes" else "named" if said else "none"
+    if verdict in (*CLAIMS, "ambiguous") and not said:
+        verdict = "none"
+    if not row["change"] and verdict == "unexplained":
+        verdict, said = "ambiguous", ["?"]
+    return Answer(verdict, said, [row["change"]] if row["change"] else [])
 
 
 def table(rows: list[Row]) -> str:
-    """Counts of ours, of two absolute diagnoses and of BIC, by what is hidden; and the time."""
-
-    def share(count: int, of: int) -> str:
-        return scores.share(count, of) if of else "-"
-
-    groups: dict[str, list[Row]] = {"all": rows}
-    groups |= {kind: [row for row in rows if row["kind"] == kind] for kind in KINDS}
-    groups |= {
-        "same inputs": [row for row in rows if row["paired"]],
-        "other inputs": [row for row in rows if not row["paired"]],
-        "model error": [row for row in rows if row["error"]],
-        "no model error": [row for row in rows if not row["error"]],
-    }
+    """Counts of ours, and of the others, by what is hidden; and the time."""
+    groups = {"all": rows}
+    groups |= {kind: [row for row in rows if row["kind"] == kind] for kind in dict.fromkeys(ORDER)}
+    for key, words in {"alike": ("same inputs", "other inputs"),
+                       "error": ("model error", "no model error")}.items():  # fmt: skip
+        groups |= {word: [row for row in rows if row[key] != bool(k)]
+                   for k, word in enumerate(words)}  # fmt: skip
+    of_all = {f"{name}: {'one difference' if some else 'none'}":
+              [answer(row) for row in own if bool(row["change"]) == some]
+              for name, own in groups.items() for some in (True, False)}  # fmt: skip
     found = []
-    for name, some in groups.items():
-        hidden = [row for row in some if row["change"]]
-        rest = [row for row in some if not row["change"]]
-        ours = [of_ours(row) for row in hidden]
-        others = [[told(row[key], row) for row in hidden] for key in ("absolute", "bic")]
-        false = [[told(row[key], row) for row in rest] for key in ("absolute", "bic")]
-        said = [of_ours(row) for row in rest]
-        found.append((
-            name, len(hidden), len(rest), share(ours.count("right"), len(ours)),
-            share(ours.count("right") + ours.count("set"), len(ours)),
-            share(ours.count("wrong"), len(ours)),
-            *(share(each.count("right"), len(each)) for each in others),
-            *(share(each.count("wrong"), len(each)) for each in others),
-            share(said.count("wrong"), len(said)),
-            *(share(each.count("wrong"), len(each)) for each in false),
-        ))  # fmt: skip
-    heads = (
-        "pairs;changed;unchanged;named;named or in a set of 3;wrong;right by two diagnoses;"
-        "right by BIC;wrong by two;wrong by BIC;a change where none is;by two;by BIC"
-    )
-    ratio = float(np.median([row["seconds"] / row["seconds_of_one"] for row in rows]))
+    for name, whose in {"ours": "causes", "two diagnoses": "absolute", "BIC": "bic"}.items():
+        every = [answer(row, whose).outcome for row in rows if row["change"]]
+        rest = [answer(row, whose).outcome for row in rows if not row["change"]]
+        right, sets = every.count("right name"), every.count("right set")
+        false = len(rest) - rest.count("rightly silent")
+        found.append((name, *(share(k, max(len(every), 1)) for k in
+                              (right, right + sets, every.count("wrong name"))),
+                      share(false, max(len(rest), 1))))  # fmt: skip
+    heads = "by;named;named or in a set of 3;wrong;a change where none is"
+    ratio = [row["seconds"] / row["seconds_of_one"] for row in rows]
     whole = sum(row["seconds"] for row in rows) / sum(row["seconds_of_one"] for row in rows)
-    spent = sum(row["cpu_seconds"] for row in rows)
-    cost = f"CPU of a pair over that of one log: median {ratio:.2f}, of all {whole:.2f}."
-    return f"{markdown(heads, found)}\n\n{cost} {spent:.0f} CPU s."
+    cost = f"CPU of a pair over that of one log: median {np.median(ratio):.2f}, of all {whole:.2f}."
+    return f"{scores.table(of_all)}\n\n{markdown(heads, found)}\n\n{len(rows)} pairs. {cost}"

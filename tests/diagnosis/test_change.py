@@ -60,15 +60,15 @@ def room(seed, more=0.0, **values):
 WAVE = 0.3 * np.sin(9.0 * T) * T  # of both sides, or of one
 # What is before and after, the verdict, its causes, and the sign of the first size.
 CASES = {
-    "a constant": (log(1), log(2, viscous=0.06), "named", ("viscous change",), 1),
+    "a constant": (log(1), log(2, viscous=0.06), "named", ("viscous[after]",), 1),
     "the other way, beside an error of the model": (
-        log(1, more=WAVE, viscous=0.06), log(2, more=WAVE), "named", ("viscous change",), -1),
-    "an effect that has come": (log(1), log(2, coulomb=0.02), "named", ("coulomb after",), 1),
-    "an effect that has gone": (log(1, coulomb=0.02), log(2), "named", ("coulomb before",), 1),
+        log(1, more=WAVE, viscous=0.06), log(2, more=WAVE), "named", ("viscous[after]",), -1),
+    "an effect that has come": (log(1), log(2, coulomb=0.02), "named", ("coulomb[after]",), 1),
+    "an effect that has gone": (log(1, coulomb=0.02), log(2), "named", ("coulomb[before]",), 1),
     "other inputs": (
-        log(1), log(2, OTHER, viscous=0.06), "named", ("viscous change",), 1),
+        log(1), log(2, OTHER, viscous=0.06), "named", ("viscous[after]",), 1),
     "an effect of both": (
-        log(1, coulomb=0.02), log(2, OTHER, coulomb=0.02), "named", ("coulomb both",), 1),
+        log(1, coulomb=0.02), log(2, OTHER, coulomb=0.02), "named", ("coulomb",), 1),
     "nothing": (log(1), log(2), "none", (), 0),
     "nothing, beside an error of the model": (log(1, more=WAVE), log(2, more=WAVE), "none", (), 0),
     "one log twice": (log(1), log(1), "none", (), 0),
@@ -90,10 +90,10 @@ def test_a_difference_is_told_by_name_and_sign(name):
         first = result.verdict.fit.causes[0].parameters[0].name
         assert np.sign(result.params["value"][first]) == sign
         told = result.as_dict()["sides"]
-        base, side = first.rsplit(" ", 1)
+        base, _, side = first.partition("[")
         true = {"coulomb": 0.02, "viscous": 0.01}[base]
         apart = told["after"][base] - told["before"][base]
-        wanted = {"change": sign, "after": 1, "before": -1, "both": 0}[side] * true
+        wanted = {"after]": sign, "before]": -1, "": 0}[side] * true
         assert apart == pytest.approx(wanted, abs=4.0 * result.params["sd"][first])
 
 
@@ -101,12 +101,12 @@ def test_a_difference_is_told_by_name_and_sign(name):
 def test_twins_are_a_set():
     twins = diagnose_change(ROOM, room(1), room(2, loss=1.52))
     assert twins.verdict.kind == "ambiguous"
-    assert "loss change" in twins.verdict.causes
+    assert "loss[after]" in twins.verdict.causes
 
 
 def test_an_instrument_is_named():
     moved = diagnose_change(ROOM, room(1), room(2, more=0.3))
-    assert (moved.verdict.kind, moved.verdict.causes) == ("named", ("zero after",))
+    assert (moved.verdict.kind, moved.verdict.causes) == ("named", ("zero[after]",))
 
 
 def test_several_tables_of_a_side_are_paired_by_their_settings():
@@ -129,17 +129,17 @@ def test_several_tables_of_a_side_are_paired_by_their_settings():
     of_one = instruments.offset("-", 0.1, table="a")
     causes = [bend, of_one]
     result = diagnose_change(line, tables(1.0, 1), tables(1.2, 2)[::-1], [slope], causes)
-    assert result.verdict.causes == ("slope change",)
+    assert result.verdict.causes == ("slope[after]",)
     assert [len(table.mean) for table in result.problem.tables] == [8, 8]
-    assert [one.table for one in result.problem.causes if one.is_instrument] == ["after a"]
-    assert result.params["value"]["slope change"] == pytest.approx(0.2, abs=0.03)
+    assert "offset[after]" in result.verdict.probabilities
+    assert result.params["value"]["slope[after]"] == pytest.approx(0.2, abs=0.03)
 
 
 def test_an_event_of_one_side_is_named():
     push = np.where(T > 0.8, 0.5, 0.0)
     step = events.step(0.2, 0.1, 1.5, unit="rad/s")
     result = diagnose_change(JOINT, log(1), log(2, more=push), causes=[step])
-    assert result.verdict.causes == ("step after",)
+    assert result.verdict.causes == ("step[after]",)
 
 
 def test_a_walker_on_another_surface(tmp_path, monkeypatch):
@@ -153,10 +153,10 @@ def test_a_walker_on_another_surface(tmp_path, monkeypatch):
         for folder, friction, seed in zip(folders, (0.145, 0.185), (1, 2), strict=True)
     )
     result = diagnose(after, against=before)
-    assert result.verdict.causes == ("contact.kinetic_friction change",)
+    assert result.verdict.causes == ("contact.kinetic_friction[after]",)
     result.save_report(tmp_path / "found")
     stated = [load(tmp_path / "found" / f"{side}.toml") for side in ("before", "after")]
-    change = result.params.loc["contact.kinetic_friction change"]
+    change = result.params.loc["contact.kinetic_friction[after]"]
     apart = np.diff([scenario.contact.kinetic_friction for scenario in stated])[0]
     assert apart == pytest.approx(change["value"], rel=1e-6)
     assert change["value"] == pytest.approx(0.04, abs=4.0 * change["sd"])
@@ -179,9 +179,9 @@ def test_logs_of_both_sides_make_a_report(tmp_path):
     done = stickslip("diagnose", "after.csv", *against, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     numbers = json.loads(done.stdout)
-    assert numbers["cause"] == "viscous change"
+    assert numbers["cause"] == "viscous[after]"
     assert "nothing else has to differ" in numbers["headline"]
-    assert {row["changes"] for row in numbers["bounds"].values()} == {"", "inertia"}
+    assert [row.get("changes") for row in numbers["bounds"].values()].count("inertia") == 1
     assert sorted(path.name for path in (tmp_path / "found").iterdir()) == [
         "report.html", "report.json"]  # fmt: skip
 

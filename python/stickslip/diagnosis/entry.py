@@ -90,8 +90,10 @@ def diagnose_model(
     ('named', ('wave',))
     """
     check_whole("seed", seed)
-    terms = partial(stated_terms, predict, uncertain, causes)
-    return diagnosed_with(predict, data, terms, int(seed), progress)
+
+    with one_blas_thread():
+        terms = partial(stated_terms, predict, uncertain, causes)
+        return concluded(*prepared(predict, data, terms, int(seed)), int(seed), progress)
 
 
 def stated_terms(
@@ -106,31 +108,29 @@ def stated_terms(
     return constants, [*usual, *causes] if isinstance(causes, Sequence) else causes
 
 
-def diagnosed_with(
-    predict: Predict,
-    data: Table | Sequence[Table],
-    terms: Callable[[Any], Terms],
-    seed: int,
-    progress: Progress | None,
-    change: Callable[[Sequence[Table]], Problem] | None = None,
-) -> Diagnosis:
-    """The diagnosis of data with a forward model; `change` poses another problem of the tables."""
+def prepared(
+    predict: Predict, data: Table | Sequence[Table], terms: Callable[[Any], Terms], seed: int
+) -> tuple[Problem, Note | None]:
+    """The problem of what can be computed of data, and what is wrong with them, if anything is."""
     stated = terms(data)
-    with one_blas_thread():
-        problem = posed(data, predict, *stated)
-        tables = computed_tables(problem, seed)
-        if tables != problem.tables:
-            problem = posed(tables, predict, *stated)
-        lost = (note for table in problem.tables for note in table.own_notes)
-        fault = next((note for note in lost if note.code == LOST_SENSOR), None) or unit_fault(
-            problem, lambda other: bare_problem(other, predict, *terms(other)), _units(predict),
-            seed,
-        )  # fmt: skip
-        if change is not None:
-            fault, problem = fault or fault_of(problem, True), change(problem.tables)
-        problem = problem if fault else with_scatter(problem, seed)
-        notes = [*overflows(problem), *without_effect(problem)]
-        return diagnosed(problem, seed, progress, notes, fault=fault)
+    problem = posed(data, predict, *stated)
+    tables = computed_tables(problem, seed)
+    if tables != problem.tables:
+        problem = posed(tables, predict, *stated)
+    lost = (note for table in problem.tables for note in table.own_notes)
+    fault = next((note for note in lost if note.code == LOST_SENSOR), None) or unit_fault(
+        problem, lambda other: bare_problem(other, predict, *terms(other)), _units(predict), seed
+    )  # fmt: skip
+    return problem, fault
+
+
+def concluded(
+    problem: Problem, fault: Note | None, seed: int, progress: Progress | None
+) -> Diagnosis:
+    """The diagnosis of a problem whose errors the fit may have to tell."""
+    problem = problem if fault else with_scatter(problem, seed)
+    notes = [*overflows(problem), *without_effect(problem)]
+    return diagnosed(problem, seed, progress, notes, fault=fault)
 
 
 def diagnosed(
@@ -162,14 +162,14 @@ def _units(predict: Predict) -> dict[str, tuple[str, Sequence[str]]]:
 one_blas_thread = partial(threadpool_limits, limits=1, user_api="blas")
 
 
-def fault_of(problem: Problem, known: bool = False) -> Note | None:
+def fault_of(problem: Problem, beside: bool = False) -> Note | None:
     """What is wrong with the data of a problem, if anything is; each table is asked.
 
-    Whether errors are told is not asked where they count as `known`.
+    Tables `beside` others need not tell their errors.
     """
-    alone = len(problem.tables) == 1
+    alone = len(problem.tables) == 1 and not beside
     stated = problem.model(problem.physical(np.zeros((1, problem.size))))[0]
-    known = known or any(errors.known for errors in problem.errors)
+    known = beside or any(errors.known for errors in problem.errors)
     for table, part in zip(problem.tables, problem.rows, strict=True):
         fault = table.data_fault(stated[part], alone or not known)
         if fault is not None:

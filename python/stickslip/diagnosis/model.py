@@ -234,21 +234,17 @@ class ForwardModel(OneLine):
 
     def of_tables(self, tables: Sequence[Table], names: Sequence[str], values: Array) -> Array:
         """Readings of the conditions of some tables, (vectors, n)."""
-
-        def of(table: Table) -> Array:
-            made = table.of_conditions(lambda whole: self(whole, names, values))
-            return made if table.less is None else made - of(table.less[0])[:, table.less[1]]
-
-        return np.hstack([of(table) for table in tables])
+        of = [table.of_conditions(lambda whole: self(whole, names, values)) for table in tables]
+        return np.hstack(of)
 
     def __call__(self, table: Table, names: Sequence[str], values: Array) -> Array:
         """Readings of a table, shape (vectors, rows), for values by name, (vectors, names).
 
         Vectors that differ only in what belongs to other tables share a prediction.
         """
-        at = self.columns(table, names)
+        at = self.columns(table.name, names)
         vectors, inverse = np.unique(values[:, list(at.values())], axis=0, return_inverse=True)
-        acting = [cause for cause in self.causes if cause.acts_in(table)]
+        acting = [cause for cause in self.causes if cause.table in (None, table.name)]
 
         def physics(keys: Sequence[str], rows: Array) -> Array:
             p = Values({key: locked(rows[:, [k]]) for k, key in enumerate(keys)})
@@ -296,19 +292,19 @@ class ForwardModel(OneLine):
         name = str(getattr(getattr(function, "function", function), "__name__", ""))
         return name if name.isidentifier() else "it"
 
-    def columns(self, table: Table, names: Sequence[str]) -> dict[str, int]:
+    def columns(self, table: str, names: Sequence[str]) -> dict[str, int]:
         """Columns of `names` that count for a table, by the names that the model knows."""
         records = {constant.name for constant in self.uncertain if constant.each_record}
         elsewhere = {
             one.name
             for cause in self.causes
-            if not cause.acts_in(table) and (cause.is_instrument or cause.side)
+            if cause.is_instrument and cause.table not in (None, table)
             for one in cause.parameters
         }
         places = {}
         for k, name in enumerate(names):
             base, bracket, record = name.partition("[")
-            if name in elsewhere or (bracket and base in records and record != f"{table.name}]"):
+            if name in elsewhere or (bracket and base in records and record != f"{table}]"):
                 continue
             places[base if base in records else name] = k
         return places
@@ -326,7 +322,7 @@ class ForwardModel(OneLine):
             if table.own_notes:
                 raise ScenarioError(f"{table.own_notes[0]} Allowed are rows without gaps")
         starts = [constant for constant in self.uncertain if constant.each_record]
-        middles = [float(start.value(np.zeros(1))[0]) for start in starts]
+        middles = [start.middle for start in starts]
         values = np.hstack([np.tile(middles, (len(values), 1)), values])
         return self(table, [*(start.name for start in starts), *names], values)
 
@@ -371,8 +367,7 @@ def _of_each_record(
         if not parameter.each_record:
             constants.append(parameter)
             continue
-        both = (each for table in tables for each in (table, *(table.less or ())[:1]))
-        records = [table for table in both if isinstance(table, Series)]
+        records = [table for table in tables if isinstance(table, Series)]
         if not records:
             raise ScenarioError(f"parameter {parameter.name}: each_record: allowed beside a Series")
         constants += [
@@ -447,7 +442,7 @@ def _outside(cause: Cause, tables: Sequence[Table]) -> list[Note]:
     records = [
         (table.t[0], table.t[-1])
         for table in tables
-        if isinstance(table, Series) and cause.acts_in(table)
+        if isinstance(table, Series) and cause.table in (None, table.name)
     ]
     begin, end = cause.between or (-math.inf, math.inf)
     if not records or any(begin <= last and end >= first for first, last in records):
@@ -510,8 +505,7 @@ def _check_names(
 def _check_copies(tables: Sequence[Table]) -> None:
     """Refuse a table that another one is a copy of, whatever they are called."""
     for one, other in itertools.combinations(tables, 2):
-        alike = one.side == other.side and len(one.y) == len(other.y)
-        if alike and len(np.unique(one.y)) >= _FEWEST_VALUES:
+        if len(one.y) == len(other.y) and len(np.unique(one.y)) >= _FEWEST_VALUES:
             rows, copied = (_in_order(table) for table in (one, other))
             if all(map(partial(np.allclose, rtol=_SAME, atol=0.0), rows, copied)):
                 raise ScenarioError(
@@ -542,13 +536,13 @@ def _check_causes(
             hint = meant(cause.frees, known)
             wrong = f"frees = {cause.frees}: allowed is an uncertain parameter{hint}"
         for table in tables:
-            acts = cause.input is not None and cause.acts_in(table)
+            acts = cause.input is not None and cause.table in (None, table.name)
             if acts and cause.input not in table.inputs:
                 at = f" of {table.name}" if table.name else ""
                 allowed = ", ".join(table.inputs) or "none"
                 wrong = f"input = {cause.input}: allowed is an input{at}: {allowed}"
             reads = cause.read is not None and cause.input is None
-            for one in cause.parameters if reads and cause.acts_in(table) else ():
+            for one in cause.parameters if reads and cause.table in (None, table.name) else ():
                 if is_of(one.unit, table.unit) and not same_unit(one.unit, table.unit):
                     wrong = f"unit = {one.unit}: allowed is that of the readings, {table.unit}"
         if wrong:

@@ -50,8 +50,8 @@ def run(
         if problem.laws and problem.wider and models.reaches:
             # Where the likeliest causes leave more than the errors as they are stated, or are one
             # on each of two sides, which may be one that both have.
-            leader = models.leaders(1)[0]
-            plain, sides = models.get(leader.names), {cause.side for cause in leader.causes}
+            names = models.leaders(1)[0].names
+            plain, sides = models.get(names), {name.partition("[")[2] for name in names}
             if plain is None or len(sides) > 1 or adequacy(models.problem, plain) < ADEQUATE:
                 say(0.8, "laws of a free shape")
                 laws = problem.laws(problem, models.null.x)

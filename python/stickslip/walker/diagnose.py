@@ -51,7 +51,7 @@ def diagnose(
         If `threads` is not a whole number above zero.
     """
     for name, given in {"measurement": measurement, "against": against}.items():
-        if not isinstance(given, Measurement) and not (name == "against" and given is None):
+        if not isinstance(given, Measurement) and (given is not None or name == "measurement"):
             raise ScenarioError(
                 f"{name} = {shown(given)}: allowed is a Measurement; "
                 "Measurement.from_dataframe(...) or read_measurement(path) makes one"
@@ -59,11 +59,13 @@ def diagnose(
     check_whole("seed", seed)
     count, fault = worker_count(threads, "threads"), None
     if against is None:
-        whole = problem = posed_by(measurement, count, seed)
+        problem = posed_by(measurement, count, seed)
+        whole = [problem]
     else:
         problem, whole = posed_against(measurement, against, count, seed)
-        measurement, fault = measurement.beside(against), fault_of(whole, True)
-    tables = cast(tuple[SimulatedTable, ...], whole.tables)
-    notes = [*{str(note): note for table in tables for note in table.remarks()}.values()]
+        measurement = measurement.beside(against)
+        fault = fault_of(whole[0], True) or fault_of(whole[1], True)
+    tables = [cast(SimulatedTable, table) for each in whole for table in each.tables]
+    notes = {str(note): note for table in tables for note in table.remarks()}
     with one_blas_thread():
-        return diagnosed(problem, int(seed), progress, notes, measurement, fault)
+        return diagnosed(problem, int(seed), progress, [*notes.values()], measurement, fault)

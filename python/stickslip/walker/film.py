@@ -79,7 +79,6 @@ class FilmTable(SimulatedTable):
     def __init__(self, film: TrackingRun, number: int = 1, threads: int = 1) -> None:
         self.film, self.threads, self.words = film, threads, film.file
         self.name, self.rate = f"tracking.{number}", recording_rate(film.scenario)
-        self.key = self.name  # of its parameters, whatever the table is called
         self.left_out = []
         self.columns: dict[str, tuple[Mask, Array]] = {}
         self._sizes: dict[str, float] = {}
@@ -209,7 +208,7 @@ class FilmTable(SimulatedTable):
         if motion is None:
             return None
         p = p or {}
-        start = f"{self.key}."
+        start = f"{self.name}."
         values = {key.removeprefix(start): p[key] for key in p if key.startswith(start)}
         for common, name in _OF_ALL.items():
             if common in p:  # beside what this film has of it
@@ -230,7 +229,7 @@ class FilmTable(SimulatedTable):
         if not self.columns.keys().isdisjoint(_CURRENTS):
             priors.append(("current_scale", 1.0, _SCALE, "-"))
         return tuple(
-            Parameter(f"{self.key}.{key}", Prior("normal", mean, sd), unit, cause=False)
+            Parameter(f"{self.name}.{key}", Prior("normal", mean, sd), unit, cause=False)
             for key, mean, sd, unit in priors
         )
 

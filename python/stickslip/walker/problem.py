@@ -15,12 +15,11 @@ import numpy as np
 from stickslip._util.arrays import Array
 from stickslip._util.note import Note
 from stickslip._util.toml import own_text
-from stickslip.diagnosis.change import SIDES, TwoSides, posed_change
-from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.change import SIDES, posed_change
 from stickslip.diagnosis.decision.experiments import Experiment
 from stickslip.diagnosis.fitting.problem import Cached, Problem
 from stickslip.diagnosis.fitting.rivals import Rivals
-from stickslip.diagnosis.model import bare_problem, posed
+from stickslip.diagnosis.model import posed
 from stickslip.diagnosis.report.files import FILES
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.laws import Curves
@@ -45,18 +44,12 @@ from stickslip.walker.velocity import VelocityTable
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-_NO_CURVES = Curves((), {})
-
 EXTENDED = "extended.toml"
 """The file that states the extended scenario."""
 
 
-def tables_of(
-    measurement: Measurement, threads: int, seed: int, films: int = 0
-) -> list[SimulatedTable]:
+def tables_of(measurement: Measurement, threads: int, seed: int) -> list[SimulatedTable]:
     """All tables of a measurement: velocities, films, angles, fields.
-
-    So many `films` are of another one, and have the first numbers.
 
     A ScenarioError is raised if nothing was measured that the diagnosis can use.
     """
@@ -64,8 +57,7 @@ def tables_of(
     if any(len(data.velocity) for data in measurement.velocity):
         tables.append(VelocityTable(measurement, threads=threads, seed=seed))
     tables += [
-        FilmTable(run, number, threads)
-        for number, run in enumerate(measurement.tracking, start=films + 1)
+        FilmTable(run, number, threads) for number, run in enumerate(measurement.tracking, start=1)
     ]
     scenario = measurement.scenario
     try:
@@ -79,8 +71,10 @@ def tables_of(
     return tables
 
 
-def posed_by(measurement: Measurement, threads: int = 1, seed: int = 0, films: int = 0) -> Problem:
-    """The problem that a measurement poses, in SI units.
+def posed_by(
+    measurement: Measurement, threads: int = 1, seed: int = 0, file: str = EXTENDED
+) -> Problem:
+    """The problem that a measurement poses, in SI units; `file` states its extended scenario.
 
     A ScenarioError is raised if nothing was measured that the diagnosis can use.
     """
@@ -88,7 +82,7 @@ def posed_by(measurement: Measurement, threads: int = 1, seed: int = 0, films: i
     if scenario.coil.map is not None:
         refuse_geometry_beside_a_map(measurement.uncertain)
     _refuse_turns(measurement)
-    tables = tables_of(measurement, threads, seed, films)
+    tables = tables_of(measurement, threads, seed)
     constants = [
         Parameter(key, prior, keys[key].unit) for key, prior in measurement.uncertain.items()
     ]
@@ -109,14 +103,14 @@ def posed_by(measurement: Measurement, threads: int = 1, seed: int = 0, films: i
     return posed(
         tables, simulated, constants, (*effects, *instruments.values()),
         low_fidelity=simulated.cheap, laws=partial(_laws, measurement), words=vocabulary(),
-        rivals=Drives(measurement, tables),
+        rivals=Drives(measurement, tables, file),
     )  # fmt: skip
 
 
 def posed_against(
     measurement: Measurement, other: Measurement, threads: int, seed: int
-) -> tuple[Problem, Problem]:
-    """The problem of what changed since another measurement, and that of all data by themselves.
+) -> tuple[Problem, list[Problem]]:
+    """The problem of what changed since another measurement, and those of both.
 
     A ScenarioError is raised if they state other constants.
     """
@@ -124,22 +118,11 @@ def posed_against(
         raise ScenarioError(
             f"{other.path}: [uncertain]: allowed are the constants and errors of {measurement.path}"
         )
-    sides = (
-        posed_by(other, threads, seed),
-        posed_by(measurement, threads, seed, len(other.tracking)),
-    )
-    tables = [table.of_side(side) for side, each in zip(SIDES, sides, strict=True)
-              for table in each.tables]  # fmt: skip
-    constants = [*{one.name: one for each in sides for one in each.constants}.values()]
-    listed = [one for each in sides for one in each.causes if not one.is_constant]
-    widest = {one.name: one for one in sorted(listed, key=lambda one: one.parameters[0].high)}
-    causes = [widest[name] for name in dict.fromkeys(one.name for one in listed)]
-    whole = bare_problem(tables, Simulated(tables), constants, ())
-    return posed_change(
-        tables, Simulated, constants, causes, seed, words=vocabulary(),
-        alike=measurement.scenario == other.scenario,
-        kind=partial(Scenarios, (other, measurement)),
-    ), whole  # fmt: skip
+    problems = [posed_by(one, threads, seed, f"{side}.toml")
+                for side, one in zip(SIDES, (other, measurement), strict=True)]  # fmt: skip
+    alike = measurement.scenario == other.scenario
+    change = posed_change(problems, measurement.uncertain, seed, vocabulary(), alike)
+    return change, problems
 
 
 class Simulated:
@@ -147,19 +130,15 @@ class Simulated:
 
     jumps = True
 
-    def __init__(self, tables: Sequence[Table]) -> None:
-        self._tables = [each for one in tables for each in (one, *(one.less or ())[:1])]
+    def __init__(self, tables: Sequence[SimulatedTable]) -> None:
+        self._tables = tables
         self._kept: dict[tuple[int, tuple[str, ...], bool], Cached] = {}
 
-    def __call__(
-        self, table: SimulatedTable, p: Mapping[str, Array], curves: Curves = _NO_CURVES
-    ) -> Array:
+    def __call__(self, table: SimulatedTable, p: Mapping[str, Array], curves: Curves) -> Array:
         """Readings of all conditions, (vectors, m)."""
         return self._rows(table, p, curves, False)
 
-    def cheap(
-        self, table: SimulatedTable, p: Mapping[str, Array], curves: Curves = _NO_CURVES
-    ) -> Array:
+    def cheap(self, table: SimulatedTable, p: Mapping[str, Array], curves: Curves) -> Array:
         """The same at a lower cost, where the table has a way; else once for both."""
         way = type(table).low_fidelity is not SimulatedTable.low_fidelity
         return self._rows(table, p, curves, way)
@@ -188,8 +167,10 @@ class Drives(Rivals):
 
     proposes = True
 
-    def __init__(self, measurement: Measurement, tables: Sequence[SimulatedTable]) -> None:
-        self._measurement, self._tables = measurement, tables
+    def __init__(
+        self, measurement: Measurement, tables: Sequence[SimulatedTable], file: str = EXTENDED
+    ) -> None:
+        self._measurement, self._tables, self._file = measurement, tables, file
 
     @property
     def table(self) -> int:
@@ -246,29 +227,10 @@ class Drives(Rivals):
             raise ScenarioError(f"the extended model makes no scenario: {error}") from None
 
     def writers(
-        self, folder: Path, told: str, causes: str, extended: Scenario, file: str = EXTENDED
+        self, folder: Path, told: str, causes: str, extended: Scenario
     ) -> dict[Path, Callable[[Path], object]]:
         lines = _comments(self._measurement, told, causes, extended)
-        return scenario_writers(extended.content, folder / file, lines)[1]
-
-
-class Scenarios(TwoSides):
-    """Two measurements, the earlier one first, and the scenarios of the extended model of both."""
-
-    def __init__(self, measurements: Sequence[Measurement], *model: Any) -> None:
-        super().__init__(*model)
-        self._of = {side: Drives(one, ()) for side, one in zip(SIDES, measurements, strict=True)}
-
-    def extended(self, values: Mapping[str, Any], covariance: DataFrame | None) -> Any:
-        each = self.sides(values)
-        return {side: of.extended(each[side], None) for side, of in self._of.items()}
-
-    def writers(
-        self, folder: Path, told: str, causes: str, extended: Any
-    ) -> dict[Path, Callable[[Path], object]]:
-        each = (of.writers(folder, told, causes, extended[side], f"{side}.toml")
-                for side, of in self._of.items())  # fmt: skip
-        return {path: writer for one in each for path, writer in one.items()}
+        return scenario_writers(extended.content, folder / self._file, lines)[1]
 
 
 def _uncertain(changes: Mapping[str, float], matrix: DataFrame | None) -> JointPrior | None:

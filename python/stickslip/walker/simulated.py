@@ -25,6 +25,8 @@ class SimulatedTable(Table):
     """What its readings are called."""
     section = ""
     """Its section in a measurement file, as messages begin with it."""
+    side = ""
+    """Of which state of a walker it is, where two are compared."""
     number = 0
     """Its number among several of its kind; 0 for a single one."""
     instruments: tuple[Cause, ...]
@@ -74,8 +76,7 @@ class SimulatedTable(Table):
 
     @property
     def title(self) -> str:
-        title = self._numbered(self.words)
-        return f"{title} {self.side}".rstrip() if self.less is None else f"change of the {title}"
+        return f"{self._numbered(self.words)} {self.side}".rstrip()
 
     def _numbered(self, text: str) -> str:
         return f"{text} {self.number}" if self.number else text

@@ -233,10 +233,6 @@ class Series(Table):
         whole = self.whole.named(name) if isinstance(self.whole, Series) else self.whole
         return self.having(name=name, whole=whole)
 
-    def of_side(self, side: str) -> Self:
-        of = None if self.repeat_of is None else f"{side} {self.repeat_of}"
-        return super().of_side(side).having(repeat_of=of)
-
     def noted(self, notes: Sequence[Note]) -> Series:
         """The same with notes on how it was read."""
         return self.having(own_notes=(*notes, *self.own_notes))

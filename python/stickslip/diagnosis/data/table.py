@@ -134,10 +134,8 @@ class Table:
     """What was put in, by name; only a record has such."""
     unstated: Collection[str] = ()
     """Columns whose unit the data do not state."""
-    side = ""
-    """Of which state of a machine it is, where two are compared."""
     less: tuple[Table, Indices] | None = None
-    """A table and its conditions whose readings and predictions are taken off."""
+    """A table and its conditions whose readings are taken off."""
     drawable = True
     """Whether its readings share a unit, so that they are drawn over a setting."""
 
@@ -228,7 +226,7 @@ class Table:
         else:
             settings = settings[kept]
         made = Table(settings, self.y[kept], **beside, name=self.name, unit=self.unit)
-        made.unstated, made.side = self.unstated, self.side
+        made.unstated = self.unstated
         return made._less(self, kept, why)
 
     def _less(self, whole: Table, kept: Mask, why: str) -> Self:
@@ -243,12 +241,6 @@ class Table:
         """A model predicts the whole one, or what that is a part of, of which these rows count."""
         self.whole = whole if whole.whole is None else whole.whole
         self.kept = kept if whole.whole is None else whole.kept[kept]
-
-    def of_side(self, side: str) -> Self:
-        """The same as a table of one of two states of a machine, with its word in the name."""
-        whole = None if self.whole is None else self.whole.of_side(side)
-        name = self.name if self.name.startswith(side) else f"{side} {self.name}".rstrip()
-        return self.having(name=name, side=side, whole=whole)
 
     @property
     def predicted(self) -> int:
@@ -275,7 +267,7 @@ class Table:
     @property
     def title(self) -> str:
         """What its readings are called; "" where they have no name."""
-        return self.name if self.less is None else f"{self.name} less {self.less[0].name}"
+        return self.name
 
     @property
     def step(self) -> float | None:
@@ -360,8 +352,8 @@ class Table:
                 "conditions, or state the error (velocity_sd of a measurement, sd of a table)."
             )
             return Note("no-noise", text)
-        of_repeats = self.less is None and 3 < len(mean) < len(self.y)
-        if 0.0 < errors.dof < math.inf and of_repeats:
+        repeated = self.less is None and 3 < len(mean) < len(self.y)
+        if 0.0 < errors.dof < math.inf and repeated:
             # What blocks share is no error of one condition beside another.
             variances = errors.of_reading(mean) ** 2 / np.bincount(self.condition)
             ratio = float(np.var(mean) / np.mean(variances))

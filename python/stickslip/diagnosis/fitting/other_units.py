@@ -189,7 +189,7 @@ def _single(problem: Problem, seed: int) -> tuple[list[_Try], list[_Try]]:
     for k, constant in enumerate(problem.constants):
         if not constant.may_be_off:
             continue
-        middle = float(constant.value(np.zeros(1))[0])
+        middle = constant.middle
         assert constant.prior is not None
         # A constant that may be zero is off by so many of its errors.
         tried = middle * grid if middle else np.outer((-1.0, 1.0), constant.prior.second * grid)
@@ -265,7 +265,7 @@ def _times(constant: Parameter, factor: float) -> Parameter:
 def _wide(constant: Parameter) -> Parameter:
     """A constant that may be another part."""
     assert constant.prior is not None
-    middle = float(constant.value(np.zeros(1))[0])
+    middle = constant.middle
     far = _WRONG_PART * (abs(middle) or constant.prior.second)
     if middle > 0.0:
         prior = Prior("log-normal", middle, math.sqrt(_WRONG_PART))

@@ -111,9 +111,11 @@ def numbers_of(facts: Facts, title: str | None = None) -> dict[str, Any]:
         "seed": findings.seed,
         "version": VERSION,
         "of_measurement": source is not None,
-        "paired": any(table.less is not None for table in facts.problem.tables),
-        "sides": facts.rivals.sides(facts.best.params["value"].to_dict() if facts.fitted else {}),
     }  # fmt: skip
+    sides = facts.rivals.sides(facts.best.params["value"].to_dict() if facts.fitted else {})
+    if sides is not None:
+        paired = any(table.less is not None for table in facts.problem.tables)
+        numbers |= {"sides": sides, "paired": paired}
     if facts.fitted:
         numbers |= _of_models(facts, numbers["conditions"])
     elif verdict.reasons:
@@ -313,15 +315,15 @@ def _claim(facts: Facts, candidate: Candidate) -> dict[str, Any]:
             form = "" if cause.has_knots else f", {article} {cause.curve.form}"
             row |= {"finding": f"The law of {cause.curve.name} has another shape{form}.",
                     "drawing": cause.curve.law, "interval": ""}  # fmt: skip
-        if cause.changes is not None:
-            (by,), of = sizes[cause.name].values(), cause.changes
-            before, far = candidate.params["value"][of], by["value"]
-            factor, shown = facts.words.shown_in(of, by["unit"])
-            ends = [factor * before, factor * (before + far)]
+        of, side, _ = cause.name.partition("[")
+        if side and of in (one.name for one in problem.constants):
+            (by,), was = sizes[cause.name].values(), candidate.params["value"][of]
+            what, far, sd, unit = facts.words.parameter(of), by["value"], by["sd"], by["unit"]
+            ends = [facts.words.near(of, each, sd, unit) for each in (was, was + far)]
+            what = what if what.startswith("`") else f"The {what}"
             row["finding"] = (
-                f"The {facts.words.parameter(of)} {'rose' if far > 0.0 else 'fell'} from "
-                f"{amounts.joined(ends, factor * by['sd'], ' to ', shown)}, by "
-                f"{facts.words.size(of, abs(far), by['sd'], by['unit'])}."
+                f"{what} {'rose' if far > 0.0 else 'fell'} from {ends[0]} to "
+                f"{ends[1]}, by {facts.words.size(of, abs(far), sd, unit)}."
             )
         if cause.is_constant:
             (name,) = sizes[cause.name]
@@ -482,8 +484,8 @@ def _cannot_tell(facts: Facts, rows: Sequence[Mapping[str, Any]]) -> dict[str, A
     """What the data cannot tell, in the names of the user."""
     beyond, words, names = facts.cannot_tell, facts.words, facts.subject.fit.names
     # One cause on either of two sides differs in sign.
-    of = {one.name: one.name.rpartition(" ")[0] for one in facts.problem.causes if one.side}
-    pairs = [pair for pair in beyond.alike if of.get(pair.cause, 0) != of.get(pair.other, 1)]
+    pairs = [pair for pair in beyond.alike
+             if pair.cause.partition("[")[0] != pair.other.partition("[")[0]]  # fmt: skip
     alike = [
         {
             "cause": cause, "title": words.title(cause), "told": cause in names,
@@ -555,18 +557,20 @@ def _product(names: Mapping[str, str], powers: Mapping[str, float]) -> str:
 def _bounds(facts: Facts) -> dict[str, Any]:
     limits = facts.cannot_tell.limits
     parameters = {parameter.name: parameter for parameter in facts.problem.parameters}
-    owners = {one.name: cause for cause in facts.problem.causes for one in cause.parameters}
+    owners = {one.name: cause.name for cause in facts.problem.causes for one in cause.parameters}
+    constants = {one.name for one in facts.problem.constants}
     return {
         name.removeprefix("effects."): {
             "value": value, "unit": parameters[name].unit, "falls": parameters[name].falls,
             "relative": value / (parameters[name].size or 1.0),
             "title": facts.words.parameter(name),
-            "cause": facts.words.title(owners[name].name) if name in owners else "",
+            "cause": facts.words.title(owners[name]) if name in owners else "",
             "text": facts.words.limit(name, value, parameters[name].unit),
             "seen": seen,
-            "changes": facts.words.parameter(owners[name].changes or "") if name in owners else "",
+            **({"changes": facts.words.parameter(of)} if "[" in name and of in constants else {}),
         }
         for name, (value, seen) in sorted(limits.items(), key=lambda item: item[1].value)
+        for of in [name.partition("[")[0]]
     }  # fmt: skip
 
 

@@ -57,10 +57,6 @@ class Cause(OneLine):
         Prior probability beside that of a listed cause.
     between : (float, float), optional
         Of an event: the times between which it happens, s.
-    side : str
-        Where two states of a machine are compared: of the tables in which it acts.
-    changes : str, optional
-        Name of the constant of both sides to which its parameter is added on its own.
 
     Raises
     ------
@@ -80,8 +76,6 @@ class Cause(OneLine):
     curve: Curve | None = None
     between: tuple[float, float] | None = None
     odds: float = 1.0
-    side: str = ""
-    changes: str | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or self.name in ("", "none") or "+" in self.name:
@@ -94,10 +88,6 @@ class Cause(OneLine):
         object.__setattr__(self, "parameters", tuple(given))
         if not self.parameters and self.frees is None:
             raise ScenarioError(f"cause {self.name} has no Parameter: allowed are one or more")
-
-    def acts_in(self, table: Table) -> bool:
-        """Whether it may change what is predicted of a table."""
-        return self.table in (None, table.name) and self.side in ("", table.side)
 
     @property
     def is_constant(self) -> bool:

@@ -94,6 +94,9 @@ class Words:
         """A constant, or a parameter of a cause, in plain words; else its key."""
         if name in self._constants:
             return str(self._constants[name]["name"])
+        base, bracket, side = name.partition("[")
+        if bracket and base in self._constants:
+            return f"change of {self.parameter(base)}"
         cause, _, short = name.removeprefix("effects.").rpartition(".")
         return f"{self._title(cause)}: {short.replace('_', ' ')}" if cause in self._causes else name
 
@@ -103,6 +106,7 @@ class Words:
 
     def shown_in(self, name: str, unit: str) -> tuple[float, str]:
         """Factor from the SI unit of a parameter to the one in which it is told, and its name."""
+        name = name.partition("[")[0]  # of a side, or of a record
         cause, _, parameter = name.removeprefix("effects.").rpartition(".")
         size = self._causes.get(cause, {}).get("sizes", {}).get(parameter)
         if size is None and name in self._constants:
@@ -119,7 +123,9 @@ class Words:
         s, and, of a constant, what was `stated`. `way` is the word for the sign of the largest;
         `meaning` is empty where the title says as much.
         """
-        name, meaning, known = cause.name, cause.meaning, self._causes.get(cause.name)
+        name, meaning = cause.name, cause.meaning
+        base, _, side = name.partition("[")
+        known = self._causes.get(base)
         row = {"name": name, "title": self.title(name), "remedy": "", "way": ""}
         new = set(re.findall(r"\w+", meaning)) - set(re.findall(r"\w+", row["title"]))
         row["meaning"] = meaning if len(new) >= _NEW_WORDS else ""
@@ -129,7 +135,7 @@ class Words:
         for full, entry in sizes.items():
             factor, unit = self.shown_in(full, entry["unit"])
             value, sd = entry["value"] * factor, entry["sd"] * factor
-            short = full.rpartition(".")[2]
+            short = full.rpartition(".")[2].partition("[")[0]
             words = known["sizes"].get(short, {}) if known else {}
             way = words.get("up" if value >= 0.0 else "down", "")
             amounts[short] = amount(abs(value) if way else value, sd, unit)
@@ -157,9 +163,12 @@ class Words:
             text = self.size(full, abs(first["value"]), first["sd"], first["unit"])
             row["finding"] = cause.told(first["value"], text, first["step"])
         else:
-            shorts = [full.rpartition(".")[2] for full, size in sizes.items() if size["shown"]]
+            shorts = [full.rpartition(".")[2].partition("[")[0] for full, size in sizes.items() if size["shown"]]
             values = ", ".join(f"{short} = {amounts[short]}" for short in shorts)
             row["finding"] = f"{row['title'][:1].upper()}{row['title'][1:]}: {values}."
+            side = ""  # which the title says
+        if side:
+            row["finding"] = f"Only {side[:-1]}: {row['finding']}"
         return row
 
     def between(self, name: str, low: float, high: float, unit: str) -> str:
