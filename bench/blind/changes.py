@@ -28,7 +28,14 @@ from blind.readings import velocities
 from blind.settings import PULSES
 from blind.truth import Hidden, Truth
 from stickslip import (
-    Diagnosis, Measurement, Prior, Scenario, Series, diagnose, diagnose_change, diagnose_model,
+    Diagnosis,
+    Measurement,
+    Prior,
+    Scenario,
+    Series,
+    diagnose,
+    diagnose_change,
+    diagnose_model,
     models,
 )  # fmt: skip
 
@@ -201,8 +208,9 @@ def _absolute(alone: Sequence[Diagnosis]) -> list[str]:
     if said:
         return sorted(said)
     tables = [each.best.params for each in alone]
-    apart = {name: abs(tables[0]["value"][name] - tables[1]["value"][name])
-             / math.hypot(*(table["sd"][name] for table in tables)) for name in constants}  # fmt: skip
+    apart = {name: abs(float(np.diff([table["value"][name] for table in tables])[0]))
+             / math.hypot(*(table["sd"][name] for table in tables))
+             for name in constants}  # fmt: skip
     name = max(apart, key=lambda each: apart[each])
     return [f"{name}[after]"] if apart[name] > SURE else []
 

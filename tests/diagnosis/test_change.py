@@ -76,7 +76,9 @@ CASES = {
 }  # fmt: skip
 
 
-NIGHTLY = "what nobody lists", "an effect that has gone"
+NIGHTLY = ("what nobody lists", "an effect that has gone", "an effect of both", "other inputs",
+           "the other way, beside an error of the model",
+           "nothing, beside an error of the model")  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -104,6 +106,7 @@ def test_twins_are_a_set():
     assert "loss[after]" in twins.verdict.causes
 
 
+@pytest.mark.nightly
 def test_an_instrument_is_named():
     moved = diagnose_change(ROOM, room(1), room(2, more=0.3))
     assert (moved.verdict.kind, moved.verdict.causes) == ("named", ("zero[after]",))
@@ -135,6 +138,7 @@ def test_several_tables_of_a_side_are_paired_by_their_settings():
     assert result.params["value"]["slope[after]"] == pytest.approx(0.2, abs=0.03)
 
 
+@pytest.mark.nightly
 def test_an_event_of_one_side_is_named():
     push = np.where(T > 0.8, 0.5, 0.0)
     step = events.step(0.2, 0.1, 1.5, unit="rad/s")
@@ -142,6 +146,7 @@ def test_an_event_of_one_side_is_named():
     assert result.verdict.causes == ("step[after]",)
 
 
+@pytest.mark.nightly
 def test_a_walker_on_another_surface(tmp_path, monkeypatch):
     few_causes(monkeypatch, ["surface_tilt", "angle_drag"])
     monkeypatch.setattr("stickslip.walker.velocity.of_velocities", lambda mean: ())
@@ -164,9 +169,6 @@ def test_a_walker_on_another_surface(tmp_path, monkeypatch):
     assert "kinetic friction coefficient rose from" in page
     numbers = json.loads((tmp_path / "found" / "report.json").read_text())
     assert numbers["paired"]
-    other = type(before)(**{**vars(before), "uncertain": {}})
-    with pytest.raises(ScenarioError, match=r"\[uncertain\]: allowed"):
-        diagnose(after, against=other)
 
 
 def test_logs_of_both_sides_make_a_report(tmp_path):
@@ -186,7 +188,11 @@ def test_logs_of_both_sides_make_a_report(tmp_path):
         "report.html", "report.json"]  # fmt: skip
 
 
-def test_what_is_no_side_is_refused():
+def test_what_is_no_side_is_refused(tmp_path):
+    walker = read_measurement(write(tmp_path, {}))
+    other = type(walker)(**{**vars(walker), "uncertain": {}})
+    with pytest.raises(ScenarioError, match=r"\[uncertain\]: allowed"):
+        diagnose(walker, against=other)
     with pytest.raises(ScenarioError, match="before = 3: allowed"):
         diagnose_change(JOINT, 3, log(1))
     with pytest.raises(ScenarioError, match=r"after = \[\]: allowed"):

@@ -10,8 +10,8 @@ them, causes that both may have are tried as well.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -21,16 +21,16 @@ from pandas import DataFrame
 
 from stickslip._util.arrays import Array, Indices
 from stickslip._util.messages import check_whole
-from stickslip._util.prior import Prior
 from stickslip._util.units import unit_label
 from stickslip.diagnosis.data.errors import Errors
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import Table
-from stickslip.diagnosis.entry import concluded, fault_of, one_blas_thread, prepared, stated_terms
+from stickslip.diagnosis.entry import diagnosed, fault_of, one_blas_thread, prepared, stated_terms
 from stickslip.diagnosis.fitting.problem import Cached, Problem
 from stickslip.diagnosis.fitting.rivals import Rivals
+from stickslip.diagnosis.fitting.scatter import with_scatter
 from stickslip.diagnosis.fitting.search import Progress, recalibrated
-from stickslip.diagnosis.model import Predict, tables_in
+from stickslip.diagnosis.model import Predict, tables_in, without_effect
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter, either_way
@@ -46,7 +46,6 @@ as stated. Chosen: twenty errors off cost eight nats, which all models pay."""
 _USUAL = 0.1
 """A usual difference, as a part of a constant. Chosen, as for the effects of `models`."""
 
-_FACTOR = 1.5  # within which a constant is likely of which a range is stated; chosen
 _DIGITS = 6  # in which equal settings agree
 
 
@@ -92,9 +91,12 @@ def diagnose_change(
         faults = [fault or fault_of(problem, True) for problem, fault in ready]
         shared = [one.name for one in stated[0] if not one.each_record]
         made = posed_change(problems, shared, int(seed), _words(predict, problems[1].constants))
-        return concluded(made, faults[0] or faults[1], int(seed), progress)
+        fault = faults[0] or faults[1]
+        made = made if fault else with_scatter(made, int(seed))
+        return diagnosed(made, int(seed), progress, without_effect(made), fault=fault)
 
 
+@dataclass(frozen=True, eq=False)
 class TwoSides(Rivals):
     """The problems of both sides, each as if it were alone.
 
@@ -102,10 +104,10 @@ class TwoSides(Rivals):
     are fitted as they are. `known` are parameters that are not fitted.
     """
 
-    def __init__(
-        self, problems: Sequence[Problem], order: Indices | None, known: Mapping[str, float]
-    ) -> None:
-        self.problems, self.order, self.known = problems, order, known
+    problems: Sequence[Problem]
+    order: Indices | None
+    known: Mapping[str, float]
+    shared: Collection[str]
 
     def of_side(self, k: int, p: Mapping[str, Any]) -> dict[str, Any]:
         """Parameters of the problem of a side; absent differences need not be given."""
@@ -114,9 +116,10 @@ class TwoSides(Rivals):
             value = p.get(one.name, 0.0) + p.get(one.name + side, 0.0)
             own[one.name] = np.clip(value, one.low, one.high)
         for cause in self.problems[k].causes:
-            for place, one in enumerate(cause.parameters):
+            acts = None  # whether the first, its size, is there
+            for one in cause.parameters:
                 both, more = p.get(one.name, one.middle), p.get(one.name + side, one.middle)
-                acts = more != one.middle if place == 0 else acts
+                acts = more != one.middle if acts is None else acts
                 # Sizes add up; the last that acts has its shape.
                 adds = one.is_amplitude and not one.falls
                 own[one.name] = both + more - one.middle if adds else np.where(acts, more, both)
@@ -167,23 +170,20 @@ def posed_change(
                        for side, problem in zip(SIDES, problems, strict=True)
                        for one in problem.tables]  # fmt: skip
     known: dict[str, float] = {}
-    if pairs:
+    if pairs:  # as the earlier side has them, of which a difference hardly depends
         values = problems[0].physical(recalibrated(problems[0], seed)[0].x[None, :])[0].tolist()
-        known = dict(zip(problems[0].names, values, strict=True))
+        known = {one.name if one.name in shared else f"{one.name}[{BEFORE}]": value
+                 for one, value in zip(problems[0].constants, values, strict=False)}  # fmt: skip
     constants = {
-        **{one.name: replace(one, cause=False, prior=_prior(one, known))
-           for one in problems[0].constants if one.name in shared},
-        **{name: replace(one, name=name)
-           for side, problem in zip(SIDES, problems, strict=True) for one in problem.constants
-           for name in [f"{one.name}[{side}]"]
-           if one.name not in shared and not (pairs and side == BEFORE)},
+        name: replace(one, name=name) if name != one.name else _relaxed(one)
+        for side, problem in zip(SIDES, problems, strict=True) for one in problem.constants
+        for name in [one.name if one.name in shared else f"{one.name}[{side}]"]
     }  # fmt: skip
-    fixed = {f"{one.name}[{BEFORE}]": known[one.name] for one in problems[0].constants
-             if pairs and one.name not in shared}  # fmt: skip
-    both = TwoSides(problems, np.concatenate(order) if pairs else None, fixed)
+    fitted = tuple(one for name, one in constants.items() if name not in known)
+    both = TwoSides(problems, np.concatenate(order) if pairs else None, known, shared)
     laws = [replace(cause, table=None) for cause in problems[1].causes if cause.parameters]
     whole = Problem(
-        tuple(tables), problems[1].model, tuple(constants.values()), wider=both.wider, rivals=both,
+        tuple(tables), problems[1].model, fitted, wider=both.wider, rivals=both,
         laws=None if pairs else lambda *_: laws, words=replace(words, nouns=True),
         finer={f"{name}{at}": size for problem in problems for name, size in problem.finer.items()
                for at in ("", f"[{BEFORE}]", f"[{AFTER}]")},
@@ -231,16 +231,13 @@ def _words(predict: Predict, constants: Sequence[Parameter]) -> Vocabulary:
     return Vocabulary(constants=rows, units=dict.fromkeys(units.values(), 1.0))
 
 
-def _prior(constant: Parameter, known: Mapping[str, float]) -> Prior:
-    """The prior of what both sides share: as stated about a known value, or else wider."""
-    prior, value = constant.prior, known.get(constant.name)
+def _relaxed(constant: Parameter) -> Parameter:
+    """What both sides share, which is no cause and need not be as stated."""
+    prior = constant.prior
     assert prior is not None
-    if not prior.has_middle:
-        return prior if value is None else Prior("log-normal", value, _FACTOR)
-    if value is not None:
-        return replace(prior, first=value)
-    wider = _RELAXED * prior.second if prior.kind == "normal" else prior.second**_RELAXED
-    return replace(prior, second=wider)
+    wider = {"normal": _RELAXED * prior.second, "log-normal": prior.second**_RELAXED}
+    prior = replace(prior, second=wider.get(prior.kind, prior.second))
+    return replace(constant, prior=prior, cause=False)
 
 
 def _paired(problems: Sequence[Problem]) -> tuple[list[Table], list[Indices]]:
@@ -276,11 +273,11 @@ def _keys(table: Table) -> list[tuple[Any, ...]]:
 def _less(after: Table, before: Table, order: Indices) -> Table:
     """Readings of one table less those of the conditions of another."""
     off, one, other = before.mean[order], after.errors, before.errors
-    covariance, sd = None, np.hypot(one.sd, other.sd[order])
-    if one.covariance is not None or other.covariance is not None:
-        parts = [np.diag(each.sd**2) if each.covariance is None else each.covariance
-                 for each in (one, other)]  # fmt: skip
-        covariance = parts[0] + parts[1][np.ix_(order, order)]
+    sd = np.hypot(one.sd, other.sd[order])
+    parts = [np.diag(each.sd**2) if each.covariance is None else each.covariance
+             for each in (one, other)]  # fmt: skip
+    independent = one.covariance is None and other.covariance is None
+    covariance = None if independent else parts[0] + parts[1][np.ix_(order, order)]
     dof = one.dof + other.dof if one.known and other.known else 0.0
     sizes = {"s0": math.hypot(*(each.sizes.get("s0", 0.0) for each in (one, other)))}
     return after.having(

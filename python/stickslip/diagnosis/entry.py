@@ -90,10 +90,12 @@ def diagnose_model(
     ('named', ('wave',))
     """
     check_whole("seed", seed)
-
     with one_blas_thread():
         terms = partial(stated_terms, predict, uncertain, causes)
-        return concluded(*prepared(predict, data, terms, int(seed)), int(seed), progress)
+        problem, fault = prepared(predict, data, terms, int(seed))
+        problem = problem if fault else with_scatter(problem, int(seed))
+        notes = [*overflows(problem), *without_effect(problem)]
+        return diagnosed(problem, int(seed), progress, notes, fault=fault)
 
 
 def stated_terms(
@@ -122,15 +124,6 @@ def prepared(
         problem, lambda other: bare_problem(other, predict, *terms(other)), _units(predict), seed
     )  # fmt: skip
     return problem, fault
-
-
-def concluded(
-    problem: Problem, fault: Note | None, seed: int, progress: Progress | None
-) -> Diagnosis:
-    """The diagnosis of a problem whose errors the fit may have to tell."""
-    problem = problem if fault else with_scatter(problem, seed)
-    notes = [*overflows(problem), *without_effect(problem)]
-    return diagnosed(problem, seed, progress, notes, fault=fault)
 
 
 def diagnosed(

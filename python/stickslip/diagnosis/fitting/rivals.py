@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +27,8 @@ class Rivals:
 
     proposes = False
     """Whether it knows conditions that may be measured."""
+    shared: Collection[str] = ()
+    """Constants of both of two states of a machine that are compared."""
 
     @property
     def table(self) -> int:
@@ -63,9 +65,9 @@ class Rivals:
         """A row for each trial of some experiments, to be filled in."""
         raise ScenarioError("trial_table: allowed for a measurement; a model of one's own has none")
 
-    def sides(self, values: Mapping[str, Any]) -> dict[str, dict[str, float]] | None:
-        """Parameters of each of two states of a machine that are compared; None of one state."""
-        return None
+    def sides(self, values: Mapping[str, Any]) -> dict[str, dict[str, float]]:
+        """Parameters of each of two states that are compared; nothing of one state."""
+        return {}
 
     def extended(self, values: Mapping[str, Any], covariance: DataFrame | None) -> Any:
         """The model with these values by name; None of a covariance where nothing was fitted."""

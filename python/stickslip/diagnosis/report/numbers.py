@@ -30,7 +30,7 @@ from stickslip.diagnosis.fitting.problem import LOST
 from stickslip.diagnosis.terms import amounts
 from stickslip.diagnosis.terms.curve import CURVE, SHAPES, Curve
 from stickslip.diagnosis.terms.parameter import Parameter
-from stickslip.diagnosis.terms.words import Vocabulary, Words
+from stickslip.diagnosis.terms.words import Vocabulary, Words, of_side
 
 ROUTINE = (
     "no-block-column", "errors-correlated", "noise-repeats", "noise-free-fit", "frame-noise",
@@ -113,7 +113,7 @@ def numbers_of(facts: Facts, title: str | None = None) -> dict[str, Any]:
         "of_measurement": source is not None,
     }  # fmt: skip
     sides = facts.rivals.sides(facts.best.params["value"].to_dict() if facts.fitted else {})
-    if sides is not None:
+    if sides:
         paired = any(table.less is not None for table in facts.problem.tables)
         numbers |= {"sides": sides, "paired": paired}
     if facts.fitted:
@@ -315,9 +315,10 @@ def _claim(facts: Facts, candidate: Candidate) -> dict[str, Any]:
             form = "" if cause.has_knots else f", {article} {cause.curve.form}"
             row |= {"finding": f"The law of {cause.curve.name} has another shape{form}.",
                     "drawing": cause.curve.law, "interval": ""}  # fmt: skip
-        of, side, _ = cause.name.partition("[")
-        if side and of in (one.name for one in problem.constants):
-            (by,), was = sizes[cause.name].values(), candidate.params["value"][of]
+        of, side = of_side(cause.name)
+        if side and of in facts.rivals.shared:
+            (by,) = sizes[cause.name].values()
+            was = facts.rivals.sides(candidate.params["value"].to_dict())["before"][of]
             what, far, sd, unit = facts.words.parameter(of), by["value"], by["sd"], by["unit"]
             ends = [facts.words.near(of, each, sd, unit) for each in (was, was + far)]
             what = what if what.startswith("`") else f"The {what}"
@@ -485,7 +486,7 @@ def _cannot_tell(facts: Facts, rows: Sequence[Mapping[str, Any]]) -> dict[str, A
     beyond, words, names = facts.cannot_tell, facts.words, facts.subject.fit.names
     # One cause on either of two sides differs in sign.
     pairs = [pair for pair in beyond.alike
-             if pair.cause.partition("[")[0] != pair.other.partition("[")[0]]  # fmt: skip
+             if of_side(pair.cause)[0] != of_side(pair.other)[0]]  # fmt: skip
     alike = [
         {
             "cause": cause, "title": words.title(cause), "told": cause in names,
@@ -558,7 +559,7 @@ def _bounds(facts: Facts) -> dict[str, Any]:
     limits = facts.cannot_tell.limits
     parameters = {parameter.name: parameter for parameter in facts.problem.parameters}
     owners = {one.name: cause.name for cause in facts.problem.causes for one in cause.parameters}
-    constants = {one.name for one in facts.problem.constants}
+    shared = facts.rivals.shared
     return {
         name.removeprefix("effects."): {
             "value": value, "unit": parameters[name].unit, "falls": parameters[name].falls,
@@ -567,10 +568,10 @@ def _bounds(facts: Facts) -> dict[str, Any]:
             "cause": facts.words.title(owners[name]) if name in owners else "",
             "text": facts.words.limit(name, value, parameters[name].unit),
             "seen": seen,
-            **({"changes": facts.words.parameter(of)} if "[" in name and of in constants else {}),
+            **({"changes": facts.words.parameter(of)} if side and of in shared else {}),
         }
         for name, (value, seen) in sorted(limits.items(), key=lambda item: item[1].value)
-        for of in [name.partition("[")[0]]
+        for of, side in [of_side(name)]
     }  # fmt: skip
 
 

@@ -54,6 +54,12 @@ class Vocabulary(OneLine):
     files: Mapping[str, str] = field(default_factory=dict)
 
 
+def of_side(name: str) -> tuple[str, str]:
+    """A name, and of which of two sides or records of a machine it is: ``load[after]``."""
+    base, _, side = name.partition("[")
+    return base, side.removesuffix("]")
+
+
 class Words:
     """What causes, parameters and their sizes are called by a vocabulary.
 
@@ -94,8 +100,8 @@ class Words:
         """A constant, or a parameter of a cause, in plain words; else its key."""
         if name in self._constants:
             return str(self._constants[name]["name"])
-        base, bracket, side = name.partition("[")
-        if bracket and base in self._constants:
+        base, side = of_side(name)
+        if side and base in self._constants:
             return f"change of {self.parameter(base)}"
         cause, _, short = name.removeprefix("effects.").rpartition(".")
         return f"{self._title(cause)}: {short.replace('_', ' ')}" if cause in self._causes else name
@@ -106,7 +112,7 @@ class Words:
 
     def shown_in(self, name: str, unit: str) -> tuple[float, str]:
         """Factor from the SI unit of a parameter to the one in which it is told, and its name."""
-        name = name.partition("[")[0]  # of a side, or of a record
+        name = of_side(name)[0]
         cause, _, parameter = name.removeprefix("effects.").rpartition(".")
         size = self._causes.get(cause, {}).get("sizes", {}).get(parameter)
         if size is None and name in self._constants:
@@ -124,7 +130,8 @@ class Words:
         `meaning` is empty where the title says as much.
         """
         name, meaning = cause.name, cause.meaning
-        base, _, side = name.partition("[")
+        base, side = of_side(name)
+        sizes = {of_side(full)[0]: entry for full, entry in sizes.items()}
         known = self._causes.get(base)
         row = {"name": name, "title": self.title(name), "remedy": "", "way": ""}
         new = set(re.findall(r"\w+", meaning)) - set(re.findall(r"\w+", row["title"]))
@@ -135,7 +142,7 @@ class Words:
         for full, entry in sizes.items():
             factor, unit = self.shown_in(full, entry["unit"])
             value, sd = entry["value"] * factor, entry["sd"] * factor
-            short = full.rpartition(".")[2].partition("[")[0]
+            short = full.rpartition(".")[2]
             words = known["sizes"].get(short, {}) if known else {}
             way = words.get("up" if value >= 0.0 else "down", "")
             amounts[short] = amount(abs(value) if way else value, sd, unit)
@@ -158,17 +165,17 @@ class Words:
             row["remedy"] = "Measure it again"
             row["drawing"] = constant["drawing"] if constant else ""
         elif cause.told is not None:
-            full = cause.parameters[0].name
+            full = next(iter(sizes))
             first = sizes[full]
             text = self.size(full, abs(first["value"]), first["sd"], first["unit"])
             row["finding"] = cause.told(first["value"], text, first["step"])
         else:
-            shorts = [full.rpartition(".")[2].partition("[")[0] for full, size in sizes.items() if size["shown"]]
+            shorts = [full.rpartition(".")[2] for full, size in sizes.items() if size["shown"]]
             values = ", ".join(f"{short} = {amounts[short]}" for short in shorts)
             row["finding"] = f"{row['title'][:1].upper()}{row['title'][1:]}: {values}."
             side = ""  # which the title says
         if side:
-            row["finding"] = f"Only {side[:-1]}: {row['finding']}"
+            row["finding"] = f"Only {side}: {row['finding']}"
         return row
 
     def between(self, name: str, low: float, high: float, unit: str) -> str:
