@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,22 +23,14 @@ from causes import walkers
 from causes.make import KINDS, STRENGTH, simulated
 from scores import CLAIMS, Answer, markdown, share
 
+import stickslip
 from blind.kinds import ERROR_SHARE
 from blind.own import COUNT, MACHINES, MODEL_ERRORS, NOISE, SERVO, _error, refitted
 from blind.readings import velocities
 from blind.settings import PULSES
 from blind.truth import Hidden, Truth
-from stickslip import (
-    Diagnosis,
-    Measurement,
-    Prior,
-    Scenario,
-    Series,
-    diagnose,
-    diagnose_change,
-    diagnose_model,
-    models,
-)  # fmt: skip
+from stickslip import Diagnosis, Measurement, Prior, Scenario, Series, models
+from stickslip._util.arrays import root_mean_square
 
 Row = dict[str, Any]
 Array = np.ndarray
@@ -138,14 +131,13 @@ def made(seed: int) -> tuple[Row, Any, Any, Any]:
     sd = np.array([of.errors(level) for level in plain])
     moves = []
     for key, step in of.shared.items():
-        each = [of.read(k, {**of.base, key: of.base[key] + step}) for k in (0, 1)] - plain
+        each = ([of.read(k, {**of.base, key: of.base[key] + step}) for k in (0, 1)] - plain) / sd
         # Each side has a start of its own.
-        parts = [each] if key != "start" else [each * [[1], [0]], each * [[0], [1]]]
-        moves += [(part / sd).ravel() / step for part in parts]
+        moves += [each * [[1], [0]], each * [[0], [1]]] if key == "start" else [each]
+    columns = np.array(moves).reshape(len(moves), -1).T
 
     def strength(level: Array) -> float:
-        left = refitted(((level - plain) / sd).ravel(), np.array(moves).T)
-        return float(np.sqrt(np.mean(left**2)))
+        return root_mean_square(refitted(((level - plain) / sd).ravel(), columns))
 
     wanted, name, found, level = draw.uniform(*STRENGTH), "", 0.0, plain
     for key in draw.permutation([*of.changes]).tolist() if changed else []:
@@ -161,8 +153,7 @@ def made(seed: int) -> tuple[Row, Any, Any, Any]:
             # What is beyond a limit acts as the limit falls.
             power = -0.7 if key == "saturation" else 0.7
             size *= float(np.clip(wanted / max(found, 1e-3), 0.5, 2.0)) ** power
-            if constant and size < -0.9 * of.base[key]:
-                break
+            size = max(size, -0.9 * of.base.get(key, math.inf))
         if abs(found / wanted - 1.0) < NEAR:
             break  # some cannot be as strong: dry friction stops the machine first
     if bent:
@@ -181,12 +172,13 @@ def judged(seed: int) -> Row:
     row, before, after, model = made(seed)
     begin = time.process_time()
     if model is None:
-        found = diagnose(after, against=before, threads=1)
+        found = stickslip.diagnose(after, against=before, threads=1)
     else:
-        found = diagnose_change(model, before, after)
+        found = stickslip.diagnose_change(model, before, after)
     spent = time.process_time() - begin
-    alone = [diagnose(one, threads=1) if model is None else diagnose_model(model, one)
-             for one in (before, after)]  # fmt: skip
+    of_one = partial(stickslip.diagnose, threads=1)
+    alone = [(of_one if model is None else partial(stickslip.diagnose_model, model))(log)
+             for log in (before, after)]  # fmt: skip
     others = 0.5 * (time.process_time() - begin - spent)
     if row["change"] not in {cause.name for cause in found.problem.causes} | {""}:
         # Of differences of readings the earlier side has the later one's causes, of other sign.

@@ -279,10 +279,11 @@ def _less(after: Table, before: Table, order: Indices) -> Table:
     independent = one.covariance is None and other.covariance is None
     covariance = None if independent else parts[0] + parts[1][np.ix_(order, order)]
     dof = one.dof + other.dof if one.known and other.known else 0.0
+    notes = tuple({str(note): note for note in (*one.notes, *other.notes)}.values())
     sizes = {"s0": math.hypot(*(each.sizes.get("s0", 0.0) for each in (one, other)))}
     return after.having(
         y=after.y - off[after.condition], mean=after.mean - off, less=(before, order),
-        errors=Errors(sd, covariance, dof, sizes, (*one.notes, *other.notes)),
+        errors=Errors(sd, covariance, dof, sizes, notes),
         own_notes=(*before.own_notes, *after.own_notes), side=f"{AFTER} less {BEFORE}",
         name=f"{AFTER} {after.name}".rstrip() + f" less {BEFORE} {before.name}".rstrip(),
     )  # fmt: skip

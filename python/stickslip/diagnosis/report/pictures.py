@@ -254,10 +254,9 @@ class Plots:
         if base is None and table.less is not None:  # both sides, whose differences are fitted
             before, order = table.less
             k, groups = np.concatenate([*groups.values()]) - part.start, {}
-            sides = ((before, 0.0, GREY), (table, table.mean, BLACK))
-            for one, more, colour in sides:
+            for word, more, colour in (("before", 0.0, GREY), ("after", table.mean, BLACK)):
                 y = (before.mean[order] + more)[k] * factor
-                axes.plot(at[k], y, ".", color=colour, label=one.name)
+                axes.plot(at[k], y, ".", color=colour, label=word)
         for group, rows in groups.items():
             x, marker = at[rows - part.start], panel.markers[group]
             y = (facts.problem.y - below)[rows] * factor
