@@ -12,9 +12,10 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
-from typing import Any, NamedTuple
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -40,22 +41,8 @@ TRIES, NEAR = 12, 0.1  # simulations by which a difference gets its strength, an
 SLOPE_STEP, SURE = 1e-3, 3.0  # of a constant; errors of a constant that two diagnoses tell
 
 
-class Machine(NamedTuple):
-    """What is true of both sides, usual sizes of differences, and readings of a side.
-
-    `shared` are the names that are refitted, with steps; `pair` makes both sides of readings.
-    """
-
-    base: dict[str, float]
-    shared: dict[str, float]
-    changes: dict[str, float]
-    read: Callable[[int, dict[str, float]], Array]
-    error: Callable[[Array], Array]
-    errors: Callable[[Array], Array]
-    pair: Callable[[list[Array]], tuple[Any, Any, Any]]
-
-
-def _log(kind: str, alike: bool, draw: np.random.Generator) -> Machine:
+def _log(kind: str, alike: bool, draw: np.random.Generator) -> SimpleNamespace:
+    """A machine: what is true, what is refitted by steps, differences, and readings of a side."""
     own = KINDS[kind]
     stated = dict(own["constants"])
     if kind in ("joint", "axis"):
@@ -76,17 +63,17 @@ def _log(kind: str, alike: bool, draw: np.random.Generator) -> Machine:
         logs = [Series(t, y, {name: u}, unit=unit) for y, u in zip(seen, inputs, strict=True)]
         return (*logs, model)
 
-    return Machine(
-        base, {key: SLOPE_STEP * base[key] or SLOPE_STEP for key in (*stated, "start")},
-        {**{key: 0.2 * base[key] for key in stated},
-         **{key: size for key, size in own["hidden"].items() if key not in stated}},
-        lambda k, p: simulated(kind, p, t, inputs[k]),
-        lambda seen: _error(wrong, t, seen, np.random.default_rng(phase)),
-        lambda seen: np.full(len(seen), NOISE * float(np.std(seen))), pair,
+    return SimpleNamespace(
+        base=base, pair=pair,
+        shared={key: SLOPE_STEP * base[key] or SLOPE_STEP for key in (*stated, "start")},
+        changes={**own["hidden"], **{key: 0.2 * base[key] for key in stated}},
+        read=lambda k, p: simulated(kind, p, t, inputs[k]),
+        error=lambda seen: _error(wrong, t, seen, np.random.default_rng(phase)),
+        errors=lambda seen: np.full(len(seen), NOISE * float(np.std(seen))),
     )  # fmt: skip
 
 
-def _walker(draw: np.random.Generator) -> Machine:
+def _walker(draw: np.random.Generator) -> SimpleNamespace:
     drives, stated = walkers.drives(), walkers.STATED
     base = {key: float(prior.value(draw.standard_normal())) for key, prior in stated.items()}
     number = float(draw.integers(2**31))
@@ -114,10 +101,11 @@ def _walker(draw: np.random.Generator) -> Machine:
     def errors(level: Array) -> Array:
         return np.hypot(walkers.SCATTER * level, walkers.FLOOR)
 
-    return Machine(
-        base, {key: 10.0 * SLOPE_STEP * value for key, value in base.items()},
-        {**{key: 0.1 * value for key, value in base.items()}, **dict.fromkeys(usual, 1.0)}, read,
-        lambda seen: read(0, {**base, "wrong": 1.0}) - read(0, base), errors, pair,
+    return SimpleNamespace(
+        base=base, shared={key: 10.0 * SLOPE_STEP * value for key, value in base.items()},
+        changes={**{key: 0.1 * value for key, value in base.items()}, **dict.fromkeys(usual, 1.0)},
+        error=lambda seen: read(0, {**base, "wrong": 1.0}) - read(0, base),
+        read=read, errors=errors, pair=pair,
     )  # fmt: skip
 
 
@@ -127,11 +115,16 @@ def made(seed: int) -> tuple[Row, Any, Any, Any]:
     changed, bent = draw.random() >= 0.25, bool(draw.random() < 0.5)
     alike = kind == "walker" or bool(draw.random() < 2 / 3)
     of = _walker(draw) if kind == "walker" else _log(kind, alike, draw)
-    plain = np.array([of.read(k, of.base) for k in (0, 1)])
+
+    def both(p: dict[str, float]) -> Array:
+        one = of.read(0, p)
+        return np.array([one, one if alike else of.read(1, p)])
+
+    plain = both(of.base)
     sd = np.array([of.errors(level) for level in plain])
     moves = []
     for key, step in of.shared.items():
-        each = ([of.read(k, {**of.base, key: of.base[key] + step}) for k in (0, 1)] - plain) / sd
+        each = (both({**of.base, key: of.base[key] + step}) - plain) / sd
         # Each side has a start of its own.
         moves += [each * [[1], [0]], each * [[0], [1]]] if key == "start" else [each]
     columns = np.array(moves).reshape(len(moves), -1).T
@@ -162,9 +155,8 @@ def made(seed: int) -> tuple[Row, Any, Any, Any]:
         level = level + wrong
     if kind != "walker":
         level = level + sd * draw.standard_normal(level.shape)
-    before, after, model = of.pair([*level])
     row = {"kind": kind, "change": name, "error": bent, "alike": alike, "strength": round(found, 2)}
-    return row, before, after, model
+    return (row, *of.pair([*level]))
 
 
 def judged(seed: int) -> Row:

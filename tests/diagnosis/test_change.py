@@ -76,8 +76,8 @@ CASES = {
 }  # fmt: skip
 
 
-NIGHTLY = ("what nobody lists", "an effect that has gone", "an effect of both", "other inputs",
-           "the other way, beside an error of the model",
+NIGHTLY = ("a constant", "what nobody lists", "an effect that has gone", "an effect of both",
+           "other inputs", "the other way, beside an error of the model",
            "nothing, beside an error of the model")  # fmt: skip
 
 
