@@ -61,7 +61,7 @@ def diagnose_change(
 ) -> Diagnosis:
     """Diagnose what changed between two logs, or sets of logs, of one machine.
 
-    Constants are shared. A difference is `name[after]` or `name[before]`: another value of a
+    Constants are shared. A difference is ``name[after]`` or ``name[before]``: another value of a
     constant after, an effect or an instrument of one side. Causes of both sides are as listed.
     `Diagnosis.extended` has the parameters of each side.
 
