@@ -37,7 +37,8 @@ Row = dict[str, Any]
 Array = np.ndarray
 ORDER = ("joint", "axis", "thermal", "servo", "joint", "axis", "thermal", "walker")
 DRY = 0.2  # error of dry friction as a constant
-TRIES, NEAR = 12, 0.1  # simulations by which a difference gets its strength, and how nearly
+TRIES, NEAR = 8, 0.1  # simulations by which a difference gets its strength, and how nearly
+COARSE = 1e-5  # s, of the simulator of walkers, whose trials scatter by 3 %
 SLOPE_STEP, SURE = 1e-3, 3.0  # of a constant; errors of a constant that two diagnoses tell
 
 
@@ -74,7 +75,7 @@ def _log(kind: str, alike: bool, draw: np.random.Generator) -> SimpleNamespace:
 
 
 def _walker(draw: np.random.Generator) -> SimpleNamespace:
-    drives, stated = walkers.drives(), walkers.STATED
+    drives, stated = walkers.drives()[:6], walkers.STATED
     base = {key: float(prior.value(draw.standard_normal())) for key, prior in stated.items()}
     number = float(draw.integers(2**31))
     usual = {key: {**walkers.entry(key).fixed, **walkers.entry(key).sizes[0]}
@@ -85,7 +86,7 @@ def _walker(draw: np.random.Generator) -> SimpleNamespace:
         if "wrong" in p:
             hidden["smooth_error"] = Hidden(p["wrong"], {"number": number})
         constants = {key: p[key] for key in stated}
-        return velocities(Truth("walker", (), constants, hidden), drives, walkers.STEP)
+        return velocities(Truth("walker", (), constants, hidden), drives, COARSE)
 
     def pair(seen: list[Array]) -> tuple[Any, Any, Any]:
         sides, priors = [], {key: Prior(one.kind, one.first, one.second)
