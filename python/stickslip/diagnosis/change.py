@@ -21,6 +21,7 @@ from pandas import DataFrame
 
 from stickslip._util.arrays import Array, Indices
 from stickslip._util.messages import check_whole
+from stickslip._util.prior import Prior
 from stickslip._util.units import unit_label
 from stickslip.diagnosis.data.errors import Errors
 from stickslip.diagnosis.data.series import LOST_SENSOR, Series
@@ -46,6 +47,7 @@ as stated. Chosen: twenty errors off cost eight nats, which all models pay."""
 _USUAL = 0.1
 """A usual difference, as a part of a constant. Chosen, as for the effects of `models`."""
 
+_FACTOR = 1.5  # within which a constant is likely of which a range is stated; chosen
 _DIGITS = 6  # in which equal settings agree
 
 
@@ -173,17 +175,17 @@ def posed_change(
                        for side, problem in zip(SIDES, problems, strict=True)
                        for one in problem.tables]  # fmt: skip
     known: dict[str, float] = {}
-    if pairs:  # as the earlier side has them, of which a difference hardly depends
+    if pairs:  # as the earlier side has them
         values = problems[0].physical(recalibrated(problems[0], seed)[0].x[None, :])[0].tolist()
-        known = {one.name if one.name in shared else f"{one.name}[{BEFORE}]": value
-                 for one, value in zip(problems[0].constants, values, strict=False)}  # fmt: skip
+        known = dict(zip((one.name for one in problems[0].constants), values, strict=False))
     constants = {
-        name: replace(one, name=name) if name != one.name else _relaxed(one)
+        name: replace(one, name=name) if name != one.name else _free(one, known.get(name))
         for side, problem in zip(SIDES, problems, strict=True) for one in problem.constants
         for name in [one.name if one.name in shared else f"{one.name}[{side}]"]
     }  # fmt: skip
-    fitted = tuple(one for name, one in constants.items() if name not in known)
-    both = TwoSides(problems, np.concatenate(order) if pairs else None, known, shared)
+    fixed = {f"{name}[{BEFORE}]": value for name, value in known.items() if name not in shared}
+    fitted = tuple(one for name, one in constants.items() if name not in fixed)
+    both = TwoSides(problems, np.concatenate(order) if pairs else None, fixed, shared)
     laws = [replace(cause, table=None) for cause in problems[1].causes if cause.parameters]
     whole = Problem(
         tuple(tables), problems[1].model, fitted, wider=both.wider, rivals=both,
@@ -234,12 +236,16 @@ def _words(predict: Predict, constants: Sequence[Parameter]) -> Vocabulary:
     return Vocabulary(constants=rows, units=dict.fromkeys(units.values(), 1.0))
 
 
-def _relaxed(constant: Parameter) -> Parameter:
-    """What both sides share, which is no cause and need not be as stated."""
+def _free(constant: Parameter, value: float | None) -> Parameter:
+    """What both sides share, which is no cause: as stated about a known value, or else wider."""
     prior = constant.prior
     assert prior is not None
-    wider = {"normal": _RELAXED * prior.second, "log-normal": prior.second**_RELAXED}
-    prior = replace(prior, second=wider.get(prior.kind, prior.second))
+    if value is not None:
+        known = replace(prior, first=value) if prior.has_middle else None
+        prior = known or Prior("log-normal", value, _FACTOR)
+    elif prior.has_middle:
+        wider = _RELAXED * prior.second if prior.kind == "normal" else prior.second**_RELAXED
+        prior = replace(prior, second=wider)
     return replace(constant, prior=prior, cause=False)
 
 
