@@ -53,6 +53,9 @@ FEWEST_IN_RUN, FEWEST_SMOOTH = 8, 15
 Chosen."""
 
 _MOST_DENSE = 1000  # readings of a table, whose covariance is a matrix
+# Readings from which on a part of them begins the search of hyperparameters: so many stretches of
+# so many. Chosen: they tell a size to a thirtieth, from where a step or two lead to the end.
+_MANY, _STRETCHES, _STRETCH = 5000, 8, 200
 _WAVES = np.pi * np.arange(32)  # of `slow`, over a run; chosen: enough for the shortest
 _RAREST = 1e-12  # least variance of a wave of `slow`, over the largest; chosen
 
@@ -68,6 +71,7 @@ class Form:
     name = "white"
     names: tuple[str, ...] = ("kappa",)
     factor = 1.0  # of the errors; where it is larger a draft of the model will do
+    fewer: Form | None = None  # of a part of the rows: what begins the search of hyperparameters
 
     def __init__(self, problem: Problem) -> None:
         self.problem, self.n = problem, len(problem.y)
@@ -78,7 +82,8 @@ class Form:
 
     def computed(self, columns: Array) -> Array:
         """Columns, shape (n, k), with 0 where a residual is that of a row that is not computed."""
-        return np.where(columns == LOST * self.problem.sd[:, None], 0.0, columns)
+        lost = columns == LOST * self.problem.sd[:, None]
+        return np.where(lost, 0.0, columns) if lost.any() else columns
 
     def price(self, residual: Array) -> Array:
         """Cost of the rows that are not computed, of residuals, shape (vectors, n)."""
@@ -231,6 +236,9 @@ class Correlated(Form):
         self._step = float(np.median(share[np.isfinite(share)]))
         self._log_det = 0.0
         self._place(order, share)
+        if self.n > _MANY and not self._dense:
+            kept = np.arange(self.n) % (self.n // _STRETCHES) < _STRETCH
+            self.fewer = self.of_rows(order[kept])
 
     def _place(self, order: Indices, share: Array) -> None:
         """Take rows in their order, each a share of the span of its run after the one before."""
@@ -274,12 +282,15 @@ class Correlated(Form):
         before = np.concatenate([[0.0], variance[:-1]])[: len(phi)]
         diagonal = s2 * self._unit2 * (1.0 - phi**2) + variance + phi**2 * before
         chain, pivots = columns[self._chain], diagonal
-        whitened = chain.copy(order="F")
+        whitened = np.empty_like(chain)
+        whitened[:1] = chain[:1]
         if len(chain) > 1:
             pivots, beside, failed = lapack.dpttrf(diagonal, -phi[1:] * variance[:-1])
             if failed:
                 raise np.linalg.LinAlgError("the covariance of a run is not positive")
-            whitened[1:] -= phi[1:, None] * chain[:-1]
+            # In place: a temporary as large costs more than the sums.
+            np.multiply(chain[:-1], -phi[1:, None], out=whitened[1:])
+            whitened[1:] += chain[1:]
             band = np.ones((2, len(chain)), order="F")
             band[1, :-1] = beside
             whitened, _ = lapack.dtbtrs(band, whitened, uplo="L", diag="U", overwrite_b=True)

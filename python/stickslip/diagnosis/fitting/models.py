@@ -5,13 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 from scipy.special import log_ndtr, logsumexp
 
 from stickslip._util.arrays import Array, Indices
 from stickslip._util.text import OneLine
-from stickslip.diagnosis.fitting.descent import Asking, End, derivatives, precision_of, walk
+from stickslip.diagnosis.fitting.descent import (
+    Asking,
+    End,
+    derivatives,
+    precision_of,
+    step_within,
+    walk,
+)
 from stickslip.diagnosis.fitting.forms import PRIOR, Form, forms
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.terms.cause import Cause
@@ -227,11 +236,13 @@ def evidence(
     Also the prior's precision that is likeliest, the covariance of the coordinates, and by how much
     the linear model promises twice the log-likelihood to grow from here.
     """
-    prepared = form.prepared(np.column_stack([end.slopes, end.residual]))
-    every = problem.precisions(causes)
+    columns = np.column_stack([end.slopes, end.residual])
+    prepared, every = form.prepared(columns), problem.precisions(causes)
     at_end = _At(problem, causes, end)
 
-    def values(points: Array, precision: Array) -> tuple[Array, Array, Array]:
+    def values(
+        form: Form, prepared: Any, points: Array, precision: Array
+    ) -> tuple[Array, Array, Array]:
         grams, misfits, beside = [], [], []
         for point in points:
             grams.append(form.weighted(prepared, end.residual, point))
@@ -247,22 +258,26 @@ def evidence(
         middle, sd, low, high = form.limits()
         first = every[len(every) // 2]
 
-        def loss(points: Array) -> Array:
+        def loss(form: Form, prepared: Any, points: Array) -> Array:
             price = 0.5 * np.sum(((points - middle) / sd) ** 2, axis=1)
             try:
-                losses = price - values(points, first)[0]
+                losses = price - values(form, prepared, points, first)[0]
             except np.linalg.LinAlgError:
                 if len(points) == 1:
                     return np.array([_IMPOSSIBLE])
-                return np.concatenate([loss(point[None]) for point in points])
+                return np.concatenate([loss(form, prepared, point[None]) for point in points])
             return np.where(np.isfinite(losses), losses, _IMPOSSIBLE)
 
-        h, second = _minimum(loss, np.clip(h, low, high), low, high)
+        h = np.clip(h, low, high)
+        if form.fewer is not None:
+            part = partial(loss, form.fewer, form.fewer.prepared(columns))
+            h, _ = _minimum(part, h, low, high)
+        h, second = _minimum(partial(loss, form, prepared), h, low, high)
         # At the edge of a range the curvature says little: no more than the prior is left open.
         scale = np.maximum(np.linalg.eigvalsh(second), 1.0 / np.max(sd) ** 2)
         total -= 0.5 * float(np.sum(np.log(scale))) + float(np.sum(np.log(sd)))
         total -= 0.5 * float(np.sum(((h - middle) / sd) ** 2))
-    results = [[part[0] for part in values(h[None], precision)] for precision in every]
+    results = [[part[0] for part in values(form, prepared, h[None], one)] for one in every]
     best = int(np.argmax([one[0] for one in results]))
     total += float(logsumexp([one[0] for one in results])) - math.log(len(every))
     return h, total, every[best], results[best][1], float(results[best][2])
@@ -290,12 +305,19 @@ def _minimum(
             free = np.where(downhill > 0.0, h < high, h > low)
             scale, axes = np.linalg.eigh(np.where(np.outer(free, free), second, np.eye(d)))
             scale = np.maximum(np.abs(scale), _FLAT)
-            move = axes @ (axes.T @ np.where(free, downhill, 0.0) / scale)
+            curvature, pull = axes * scale @ axes.T, np.where(free, downhill, 0.0)
+            move = axes @ (axes.T @ pull / scale)
             least, last, longest = here, h, min(2.0 * longest, _LONGEST_H)
         else:
             longest *= 0.25
         step = move * min(1.0, longest / max(float(np.max(np.abs(move))), 1e-300))
         h = np.clip(last + step, low, high)
+        if np.any(h != last + step):
+            # Cut off, a step along a narrow valley may lead up its side.
+            room = np.maximum(low - last, -longest), np.minimum(high - last, longest)
+            ways = np.array([h - last, step_within(curvature, pull, *room)])
+            rise = 0.5 * np.sum(ways @ curvature * ways, axis=1) - ways @ pull
+            h = np.clip(last + ways[np.argmin(rise)], low, high)
         if downhill @ (h - last) < _SETTLED_H:
             break
     else:
