@@ -6,29 +6,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
 from scipy.stats import multivariate_normal, multivariate_t
 
 import sliding_block
-from stickslip import instruments
-from stickslip.diagnosis import model
 from stickslip.diagnosis.data.errors import Errors
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.gain import held_out, measured, parts_of
 from stickslip.diagnosis.fitting.descent import End, derivatives, descend, finished, in_step
 from stickslip.diagnosis.fitting.draws import drawn
 from stickslip.diagnosis.fitting.forms import forms
-from stickslip.diagnosis.fitting.models import (
-    covariance_beside,
-    evidence,
-    laplace,
-    linear,
-    minimise,
-)
+from stickslip.diagnosis.fitting.models import covariance_beside, laplace, linear, minimise
 from stickslip.diagnosis.fitting.problem import LOST, Cached, Problem
 from stickslip.diagnosis.fitting.search import Models, _fit_exact_again, _fit_other_forms
 from stickslip.diagnosis.model import posed
-from toys import BEND, LEVEL, SLOPE, STEP, WAVE, data, line, problem, shapes
+from toys import BEND, LEVEL, SLOPE, STEP, WAVE, data, problem, shapes
 
 X = np.linspace(1.0, 3.0, 30)
 
@@ -264,42 +255,6 @@ def test_predictions_are_made_once():
     assert cached(values)[:, 0].tolist() == [1.0, 2.0, 1.0]
     assert cached(values[:2])[:, 0].tolist() == [1.0, 2.0]
     assert calls == [2]
-
-
-def test_many_vectors_are_predicted_in_blocks(monkeypatch):
-    """Those of an instrument's sizes alone share a prediction in each block."""
-    asked = []
-
-    def counted(table, p):
-        asked.append(len(p["slope"]))
-        return line(table, p)
-
-    made = posed(data(), counted, [SLOPE, LEVEL], [WAVE, instruments.offset("-", 0.1)])
-    values = np.random.default_rng(1).uniform(0.5, 1.5, (9, 4))
-    values[1::2, :3] = values[0, :3]
-    at_once = made.model.anew(values)
-    monkeypatch.setattr(model, "_AT_ONCE", 3 * 30)
-    asked.clear()
-    assert np.array_equal(made.model.anew(values), at_once)
-    assert (len(asked), max(asked)) <= (3, 3)
-    assert sum(asked) <= 7
-
-
-@pytest.mark.parametrize("lasts", [0.0, 0.01, 3.0])
-def test_hyperparameters_of_a_long_record_do_not_depend_on_where_they_begin(lasts):
-    """Errors that are correlated over part of a run, over none and over all of it."""
-    count, random = 6000, np.random.default_rng(3)
-    walk = np.zeros(count)
-    if lasts:
-        kept = math.exp(-1.0 / (lasts * count))
-        noise = 0.1 * math.sqrt(1.0 - kept**2) * random.standard_normal(count)
-        walk = lfilter([1.0], [1.0, -kept], noise)
-    posed = problem(data(walk, n=count, run=np.zeros(count, dtype=int)), [])
-    form, (left, *moved) = forms(posed)["ar1"], posed.residuals(np.eye(3, 2, -1))
-    end = End(np.zeros(2), left, (left - moved).T, math.nan)
-    begun = [form.begin(end.residual), np.array([0.5, -3.0, -4.0]), np.array([-0.3, 1.0, -3.0])]
-    found = [evidence(posed, form, (), end, h)[1] for h in begun]
-    assert np.ptp(found) < 0.1
 
 
 def test_a_refit_that_meets_the_end_of_a_range_moves_the_rest():

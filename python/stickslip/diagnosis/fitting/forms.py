@@ -53,9 +53,6 @@ FEWEST_IN_RUN, FEWEST_SMOOTH = 8, 15
 Chosen."""
 
 _MOST_DENSE = 1000  # readings of a table, whose covariance is a matrix
-# Readings from which on a part of them begins the search of hyperparameters: so many stretches of
-# so many. Chosen: they tell a size to a thirtieth, from where a step or two lead to the end.
-_MANY, _STRETCHES, _STRETCH = 5000, 8, 200
 _WAVES = np.pi * np.arange(32)  # of `slow`, over a run; chosen: enough for the shortest
 _RAREST = 1e-12  # least variance of a wave of `slow`, over the largest; chosen
 
@@ -71,7 +68,6 @@ class Form:
     name = "white"
     names: tuple[str, ...] = ("kappa",)
     factor = 1.0  # of the errors; where it is larger a draft of the model will do
-    fewer: Form | None = None  # of a part of the rows: what begins the search of hyperparameters
 
     def __init__(self, problem: Problem) -> None:
         self.problem, self.n = problem, len(problem.y)
@@ -236,9 +232,6 @@ class Correlated(Form):
         self._step = float(np.median(share[np.isfinite(share)]))
         self._log_det = 0.0
         self._place(order, share)
-        if self.n > _MANY and not self._dense:
-            kept = np.arange(self.n) % (self.n // _STRETCHES) < _STRETCH
-            self.fewer = self.of_rows(order[kept])
 
     def _place(self, order: Indices, share: Array) -> None:
         """Take rows in their order, each a share of the span of its run after the one before."""

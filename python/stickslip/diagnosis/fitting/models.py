@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from typing import Any
 
 import numpy as np
 from scipy.special import log_ndtr, logsumexp
@@ -236,13 +234,11 @@ def evidence(
     Also the prior's precision that is likeliest, the covariance of the coordinates, and by how much
     the linear model promises twice the log-likelihood to grow from here.
     """
-    columns = np.column_stack([end.slopes, end.residual])
-    prepared, every = form.prepared(columns), problem.precisions(causes)
+    prepared = form.prepared(np.column_stack([end.slopes, end.residual]))
+    every = problem.precisions(causes)
     at_end = _At(problem, causes, end)
 
-    def values(
-        form: Form, prepared: Any, points: Array, precision: Array
-    ) -> tuple[Array, Array, Array]:
+    def values(points: Array, precision: Array) -> tuple[Array, Array, Array]:
         grams, misfits, beside = [], [], []
         for point in points:
             grams.append(form.weighted(prepared, end.residual, point))
@@ -258,26 +254,22 @@ def evidence(
         middle, sd, low, high = form.limits()
         first = every[len(every) // 2]
 
-        def loss(form: Form, prepared: Any, points: Array) -> Array:
+        def loss(points: Array) -> Array:
             price = 0.5 * np.sum(((points - middle) / sd) ** 2, axis=1)
             try:
-                losses = price - values(form, prepared, points, first)[0]
+                losses = price - values(points, first)[0]
             except np.linalg.LinAlgError:
                 if len(points) == 1:
                     return np.array([_IMPOSSIBLE])
-                return np.concatenate([loss(form, prepared, point[None]) for point in points])
+                return np.concatenate([loss(point[None]) for point in points])
             return np.where(np.isfinite(losses), losses, _IMPOSSIBLE)
 
-        h = np.clip(h, low, high)
-        if form.fewer is not None:
-            part = partial(loss, form.fewer, form.fewer.prepared(columns))
-            h, _ = _minimum(part, h, low, high)
-        h, second = _minimum(partial(loss, form, prepared), h, low, high)
+        h, second = _minimum(loss, np.clip(h, low, high), low, high)
         # At the edge of a range the curvature says little: no more than the prior is left open.
         scale = np.maximum(np.linalg.eigvalsh(second), 1.0 / np.max(sd) ** 2)
         total -= 0.5 * float(np.sum(np.log(scale))) + float(np.sum(np.log(sd)))
         total -= 0.5 * float(np.sum(((h - middle) / sd) ** 2))
-    results = [[part[0] for part in values(form, prepared, h[None], one)] for one in every]
+    results = [[part[0] for part in values(h[None], precision)] for precision in every]
     best = int(np.argmax([one[0] for one in results]))
     total += float(logsumexp([one[0] for one in results])) - math.log(len(every))
     return h, total, every[best], results[best][1], float(results[best][2])
