@@ -11,14 +11,7 @@ from scipy.special import log_ndtr, logsumexp
 
 from stickslip._util.arrays import Array, Indices
 from stickslip._util.text import OneLine
-from stickslip.diagnosis.fitting.descent import (
-    Asking,
-    End,
-    derivatives,
-    precision_of,
-    step_within,
-    walk,
-)
+from stickslip.diagnosis.fitting.descent import Asking, End, derivatives, precision_of, walk
 from stickslip.diagnosis.fitting.forms import PRIOR, Form, forms
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.terms.cause import Cause
@@ -297,19 +290,12 @@ def _minimum(
             free = np.where(downhill > 0.0, h < high, h > low)
             scale, axes = np.linalg.eigh(np.where(np.outer(free, free), second, np.eye(d)))
             scale = np.maximum(np.abs(scale), _FLAT)
-            curvature, pull = axes * scale @ axes.T, np.where(free, downhill, 0.0)
-            move = axes @ (axes.T @ pull / scale)
+            move = axes @ (axes.T @ np.where(free, downhill, 0.0) / scale)
             least, last, longest = here, h, min(2.0 * longest, _LONGEST_H)
         else:
             longest *= 0.25
         step = move * min(1.0, longest / max(float(np.max(np.abs(move))), 1e-300))
         h = np.clip(last + step, low, high)
-        if np.any(h != last + step):
-            # Cut off, a step along a narrow valley may lead up its side.
-            room = np.maximum(low - last, -longest), np.minimum(high - last, longest)
-            ways = np.array([h - last, step_within(curvature, pull, *room)])
-            rise = 0.5 * np.sum(ways @ curvature * ways, axis=1) - ways @ pull
-            h = np.clip(last + ways[np.argmin(rise)], low, high)
         if downhill @ (h - last) < _SETTLED_H:
             break
     else:
