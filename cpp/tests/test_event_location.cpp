@@ -229,7 +229,8 @@ TEST_CASE("events: of two at one instant the second fires as the next step begin
 
 TEST_CASE("events: a dip between the stages of a function that is flat there is missed") {
     const auto dip = [](double width) {
-        return single([=](double s) { return 1.0 - 2.0 * std::exp(-std::pow((s - 0.6) / width, 2)); });
+        return single(
+            [=](double s) { return 1.0 - 2.0 * std::exp(-std::pow((s - 0.6) / width, 2)); });
     };
     CHECK_FALSE(dip(0.01).find());
     CHECK(dip(0.3).find());

@@ -156,20 +156,8 @@ class Scenario:
     ) -> None:
         self._core = _core.Scenario()
         self._held: dict[str, Any] = {}  # all objects of this scenario, and no others, by `HELD`
-        given = (
-            drive,
-            coil,
-            robot,
-            contact,
-            drag,
-            environment,
-            shake,
-            inner,
-            initial,
-            solver,
-            record,
-        )
-        for (name, kind), section in zip(SECTIONS.items(), given, strict=True):
+        own = drive, coil, robot, contact, drag, environment, shake, inner, initial, solver, record
+        for (name, kind), section in zip(SECTIONS.items(), own, strict=True):
             if section is None:
                 continue
             check_kind(name, section, kind)

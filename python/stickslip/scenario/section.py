@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import inspect
 import textwrap
 from collections.abc import Mapping
@@ -96,11 +97,7 @@ class Section:
         return f"{type(self).__name__}({values})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _made, (type(self), self.as_dict())
-
-
-def _made(kind: type[_S], values: dict[str, Any]) -> _S:
-    return kind(**values)
+        return functools.partial(type(self), **self.as_dict()), ()
 
 
 def _property(key: Key) -> property:
