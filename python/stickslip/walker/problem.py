@@ -27,7 +27,7 @@ from stickslip.diagnosis.terms.words import Vocabulary
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import is_of_one_coil, known_keys
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.toml_file import files_beside, held_writers, scenario_writers
+from stickslip.scenario.toml_file import files_of, scenario_writers
 from stickslip.scenario.uncertain import JointPrior, refuse_geometry_beside_a_map
 from stickslip.simulation.scenario_notes import peak_voltages
 from stickslip.walker import experiments
@@ -207,7 +207,7 @@ class Drives(Rivals):
         self, folder: Path, told: str, causes: str, extended: Scenario
     ) -> dict[Path, Callable[[Path], object]]:
         lines = _comments(self._measurement, told, causes, extended)
-        return scenario_writers(extended.content, folder / EXTENDED, lines)[1]
+        return scenario_writers(extended.content, folder / EXTENDED, lines)
 
 
 def _uncertain(changes: Mapping[str, float], matrix: DataFrame | None) -> JointPrior | None:
@@ -223,8 +223,7 @@ def _uncertain(changes: Mapping[str, float], matrix: DataFrame | None) -> JointP
 
 def report_files(scenario: Scenario) -> tuple[str, ...]:
     """Names of the files of a report: with those that state the extended scenario."""
-    held = held_writers(scenario.content, files_beside(Path(EXTENDED)))
-    return (*FILES, EXTENDED, *(path.name for path in held))
+    return (*FILES, EXTENDED, *files_of(scenario.content, Path(EXTENDED)).values())
 
 
 def _comments(measurement: Measurement, told: str, first: str, extended: Scenario) -> list[str]:
