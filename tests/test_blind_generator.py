@@ -226,6 +226,7 @@ def test_what_is_hidden_is_as_strong_as_asked_for(kind):
 
 
 @pytest.mark.parametrize("name", MODEL_ERRORS)
+@pytest.mark.nightly
 def test_errors_of_the_model_are_of_size_one_and_the_same_for_every_trial(name):
     drives = conditions("none", ("velocity",))
     count = 300

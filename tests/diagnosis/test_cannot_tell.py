@@ -12,6 +12,7 @@ from untold import KINDS, is_more_told, is_told, made
 
 
 @pytest.mark.parametrize("place", range(len(KINDS)), ids=KINDS)
+@pytest.mark.daily("sum", "hidden", "joint", "cooling", "fall")
 def test_what_data_cannot_tell_is_said_and_nothing_where_they_tell(place):
     way = ("table", "series")[place % 2]
     result, values = made(KINDS[place], False, 0, way)

@@ -11,6 +11,8 @@ T = STEP * np.arange(150)
 TORQUE = 0.3 * np.sign(np.sin(4.4 * T)) * (0.6 + 0.4 * np.sin(0.8 * T))
 RPM = 30.0 / np.pi
 COLUMNS = {"time": T, "torque": TORQUE}
+# Causes that take long.
+LESS = ["backlash", "compliance", "stribeck", "slow torque", "late torque", "slow sensor"]
 # What a heading says, and how many of its unit are one SI unit; "" states none.
 BARE = {"time": "", "torque": "", "speed": ""}
 
@@ -36,7 +38,8 @@ def log_of(tmp_path, joint, times, headings, **truth):
 
 
 def found(log, inertia=J, viscous=B):
-    joint = models.joint(inertia=(inertia, 0.04 * inertia), viscous=(viscous, 0.1 * viscous))
+    joint = models.joint(inertia=(inertia, 0.04 * inertia), viscous=(viscous, 0.1 * viscous),
+                         without=LESS)  # fmt: skip
     return diagnose_model(joint, log)
 
 
@@ -84,7 +87,7 @@ def test_units_that_are_stated_are_not_doubted(tmp_path):
 
 
 def test_a_model_of_ones_own_and_arrays_are_asked_the_same(tmp_path):
-    joint = models.joint(inertia=(J, 0.04 * J), viscous=(B, 0.1 * B))
+    joint = models.joint(inertia=(J, 0.04 * J), viscous=(B, 0.1 * B), without=LESS)
     log = Series(T, RPM * speeds(), {"torque": TORQUE}, RPM * 0.02)
     uncertain, causes = joint.terms(log)
     verdict = diagnose_model(lambda table, p: joint(table, p), log, uncertain, causes).verdict

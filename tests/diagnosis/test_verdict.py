@@ -1,5 +1,6 @@
 """Verdicts on models of which the answer is known."""
 
+import functools
 from dataclasses import replace
 
 import numpy as np
@@ -40,6 +41,7 @@ def test_nothing_hidden_is_none():
 
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize(("name", "size"), [("wave", 0.4), ("step", 0.5), ("bend", 0.9)])
+@pytest.mark.daily("0")
 def test_one_cause_is_named_with_its_size(name, size, seed):
     result = found(data(extra(**{name: size}), seed=seed), seed=seed)
     assert (result.verdict.kind, result.verdict.causes) == ("named", (name,))
@@ -128,6 +130,11 @@ def test_what_is_left_beside_a_dominant_cause_must_not_follow_the_settings():
     assert kinds["wave"] == ("unexplained", ["pattern-left"])
 
 
+@functools.cache
+def one_wave():
+    return found(data(extra(wave=0.4)))
+
+
 @pytest.mark.parametrize(
     ("share", "intervals", "against"),
     [
@@ -140,7 +147,7 @@ def test_what_is_left_beside_a_dominant_cause_must_not_follow_the_settings():
     ],
 )
 def test_causes_that_take_nearly_all_only_must_not_predict_worse(share, intervals, against):
-    (leader,) = (fit for fit in found(data(extra(wave=0.4))).models.leaders(1))
+    (leader,) = one_wave().models.leaders(1)
     gains = [each and Gain(2.0, 1.0, each) for each in intervals]
     assert [note.code for note in _takes_little(leader, share, gains)] == against
 
@@ -243,6 +250,7 @@ def test_a_constant_other_than_stated_is_named_by_the_test():
     assert (result.verdict.kind, result.verdict.causes) == ("named", ("slope",))
 
 
+@pytest.mark.nightly
 def test_errors_of_the_fit_of_all_causes_prove_no_name():
     # A wave that nobody lists counts as noise; the step beside it hardly lowers what is left.
     x = np.linspace(1.0, 3.0, 60)
@@ -308,6 +316,7 @@ def test_only_runs_and_blocks_have_no_neighbours_in_other_parts():
 
 
 @pytest.mark.parametrize("sd", [0.002, 0.0005])
+@pytest.mark.daily("0.002")
 def test_a_model_that_computes_nothing_explains_nothing(sd):
     """Readings so precise that every model misses them by more errors than a lost row counts."""
     t = np.linspace(0.0, 10.0, 200)
