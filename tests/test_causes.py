@@ -61,6 +61,7 @@ def test_a_walker_is_what_its_seed_makes():
         (0.0, 0.02, ("none", [])),
     ],
 )
+@pytest.mark.daily("said0", "said2")
 def test_an_armature_is_told_as_far_as_the_inertia_of_the_load_is_known(armature, inertia, said):
     own, random = make.KINDS["servo"], np.random.default_rng([81, 3])
     t = own["step"] * np.arange(120)
@@ -72,7 +73,7 @@ def test_an_armature_is_told_as_far_as_the_inertia_of_the_load_is_known(armature
     priors = {name: (value, part * value) for name, (value, part) in own["constants"].items()}
     log = Series(t, y, {"goal": goal}, unit="rad")
     every = models.servo(**known, **priors).terms(log)[1]
-    less = {one.name for one in every} - {"armature", "mass_error", "load_friction", "load"}
+    less = {one.name for one in every} - {"armature", "load_friction"}
     found = diagnose_model(models.servo(**known, **priors, without=[*less]), log).verdict
     assert (found.kind, sorted(found.causes)) == said
 

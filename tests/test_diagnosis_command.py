@@ -10,7 +10,7 @@ from made_measurement import few_causes, write
 from report_page import without_pictures
 from stickslip import Scenario, load, predict, simulate
 
-FEW = ("surface_tilt", "friction_anisotropy", "field_gain")
+FEW = ("surface_tilt", "field_gain")
 TILT = {"effects.surface_tilt.angle": 0.04}
 
 

@@ -12,7 +12,8 @@ TORQUE = 0.3 * np.sign(np.sin(4.4 * T)) * (0.6 + 0.4 * np.sin(0.8 * T))
 RPM = 30.0 / np.pi
 COLUMNS = {"time": T, "torque": TORQUE}
 # Causes that take long.
-LESS = ["backlash", "compliance", "stribeck", "slow torque", "late torque", "slow sensor"]
+LESS = ["backlash", "compliance", "stribeck", "slow torque", "late torque", "slow sensor",
+        "viscous_asymmetry", "asymmetry", "quadratic", "gravity", "load"]  # fmt: skip
 # What a heading says, and how many of its unit are one SI unit; "" states none.
 BARE = {"time": "", "torque": "", "speed": ""}
 
@@ -57,6 +58,7 @@ JOINT = models.joint(inertia=J, viscous=B)
         ({"torque": 100.0}, 'torque were in N cm: write "torque (N cm)"'),
     ],
 )
+@pytest.mark.daily("times1", "times2")
 def test_a_column_without_a_unit_is_told_in_which_it_may_be(times, words, tmp_path):
     verdict = found(log_of(tmp_path, JOINT, times, {})).verdict
     assert (verdict.kind, verdict.reasons[0].code) == ("data-problem", "other-unit")
@@ -70,6 +72,7 @@ def test_a_constant_in_another_unit_is_told(tmp_path):
 
 
 @pytest.mark.parametrize(("gear", "said"), [(10.0, True), (0.1, True), (6.0, False)])
+@pytest.mark.daily("0.1")
 def test_a_constant_that_is_tenfold_off_is_named(gear, said, tmp_path):
     result = found(log_of(tmp_path, JOINT, {}, {}, inertia=gear * J))
     assert (result.verdict.kind, result.verdict.causes) == ("named", ("inertia",))

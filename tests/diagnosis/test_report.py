@@ -57,6 +57,7 @@ def results(rough, none):
 @pytest.mark.parametrize(
     "kind", ["named", "dominant", "pair", "ambiguous", "unexplained", "none", "data-problem"]
 )
+@pytest.mark.daily("named", "ambiguous", "none")
 def test_each_verdict_has_a_page_of_its_numbers(results, kind, tmp_path):
     result = results[kind]
     numbers = numbers_of(result)
@@ -198,6 +199,7 @@ def test_odds_are_those_of_the_ranking(rough):
     assert amounts.percent(numbers["leader"]["in_all"]) in rough.summary().split("\n")[1]
 
 
+@pytest.mark.nightly
 def test_tables_of_one_name_have_errors_of_their_own():
     """Those that the tables have while they are called differently."""
     wave = 0.8 * np.sin(5.0 * np.linspace(1.0, 3.0, 30))

@@ -112,6 +112,7 @@ def test_shuffled_readings_have_no_name():
     assert found(Table({"x": X}, table.y[order], sd=0.1)).verdict.kind not in ("named", "pair")
 
 
+@pytest.mark.nightly
 def test_what_is_left_beside_a_dominant_cause_must_not_follow_the_settings():
     """The same size of error, as scatter and as a wave over the one setting."""
     x = np.linspace(0.0, 1.0, 40)
@@ -152,6 +153,7 @@ def test_causes_that_take_nearly_all_only_must_not_predict_worse(share, interval
     assert [note.code for note in _takes_little(leader, share, gains)] == against
 
 
+@pytest.mark.nightly
 def test_a_set_asks_what_a_claim_asks():
     """Two near twins beside scatter of a fifth of their effect, of thrice, and with a size at the
     end of its range.
