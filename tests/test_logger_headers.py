@@ -65,6 +65,7 @@ HEADERS = {
     "Graphtec": ("Vendor,GRAPHTEC Corporation\nData\nNumber,Date&Time,ms,CH1,CH2\n"
                  "NO.,Time,ms,degC,W", (K, clock("%Y/%m/%d %H:%M:%S"), 0 * K, Y, U), "heater",
                   'call one "power (W)"'),
+    "numpy": ("# Time (s),Speed (rad/s),Torque (N m)", (T, Y, U), "joint", ""),
     "catman": ("Zeit [s];Drehzahl [1/min];Drehmoment [Nm]", (T, RPM * Y, U), "joint", ""),
     "Testo": ("Datum;Zeit;Temperatur [°C];Leistung [W]",
               (clock("%d.%m.%Y"), clock("%H:%M:%S"), Y, U), "heater", f'{TIME}"Datum", "Zeit"'),
@@ -75,7 +76,8 @@ HEADERS = {
                             'column t = "0 sec": allowed is the number alone'),
     "pandas": (",t,speed,torque", (K, T, Y, U), "joint", ""),
     "R": ('"","t","speed","torque"', ([f'"{k}"' for k in K], T, Y, U), "joint", ""),
-    "Excel": ("sep=;\nt (s);speed (rpm);torque (N m)", (T, RPM * Y, U), "joint", ""),
+    "Excel": ("sep=;\nt (s);speed (rpm);torque (N m);mode", (T, RPM * Y, U, ["load"] * 12),
+              "joint", ""),
     "a sheet of Google": ("Timestamp,Temperature (°C),Power (W)",
                           (clock("%m/%d/%Y %H:%M:%S"), Y, U), "heater",
                   "a date such as 2026-05-01"),
