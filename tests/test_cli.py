@@ -97,6 +97,7 @@ def test_a_failed_simulation_exits_with_one(scenario):
     assert (summary["status"], summary["mean_velocity"]) == ("left_workspace", None)
 
 
+@pytest.mark.nightly
 def test_out_and_plot_set_a_recording_rate(scenario, tmp_path):
     done = stickslip("run", scenario, "--out", tmp_path / "a.nc", "--plot", tmp_path / "a.png")
     assert (done.returncode, done.stderr) == (0, "")

@@ -152,6 +152,7 @@ def test_a_note_shows_what_a_file_holds_without_its_control_characters():
     assert printable(WILD) in str(note)
 
 
+@pytest.mark.nightly
 def test_names_of_files_are_text_on_the_page_whatever_they_hold(tmp_path, monkeypatch):
     few_causes(monkeypatch, ("surface_tilt",))
     wild = f"<em>{WILD}</em>"

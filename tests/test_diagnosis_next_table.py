@@ -109,6 +109,7 @@ def test_where_nothing_is_worth_measuring_no_table_is_written(begun, options, sa
     assert (told["safe"], told["proposed"], told["table"]) == ("said" in options, 0, None)
 
 
+@pytest.mark.nightly
 def test_without_a_finding_nothing_is_proposed(tmp_path, monkeypatch):
     few_causes(monkeypatch, ("surface_tilt",))
     path, found = write(tmp_path, {}), tmp_path / "found"

@@ -246,9 +246,7 @@ def test_a_machine(row):
 
 
 @pytest.mark.parametrize("row", WALKERS, ids=ids(WALKERS))
-@pytest.mark.daily(
-    "velocities", "angles", "fields", "film-hidden", "film-clean", "track-hidden", "track-clean"
-)
+@pytest.mark.daily("velocities", "angles", "fields", "film-hidden", "film-clean", "track-clean")
 def test_a_walker(row, tmp_path, monkeypatch):
     few_causes(monkeypatch, EFFECTS[row[0]])
     cause, twins, how = WALKERS[row]

@@ -58,13 +58,14 @@ JOINT = models.joint(inertia=J, viscous=B)
         ({"torque": 100.0}, 'torque were in N cm: write "torque (N cm)"'),
     ],
 )
-@pytest.mark.daily("times1", "times2")
+@pytest.mark.daily("times2")
 def test_a_column_without_a_unit_is_told_in_which_it_may_be(times, words, tmp_path):
     verdict = found(log_of(tmp_path, JOINT, times, {})).verdict
     assert (verdict.kind, verdict.reasons[0].code) == ("data-problem", "other-unit")
     assert words in verdict.reasons[0].text
 
 
+@pytest.mark.nightly
 def test_a_constant_in_another_unit_is_told(tmp_path):
     verdict = found(log_of(tmp_path, JOINT, {}, {}), inertia=1e7 * J).verdict
     assert verdict.kind == "data-problem"
@@ -89,6 +90,7 @@ def test_units_that_are_stated_are_not_doubted(tmp_path):
     assert Table({"t": (1e3 * T).astype("m8[ms]"), "x": T}, T, unit="m").unstated == ["x"]
 
 
+@pytest.mark.nightly
 def test_a_model_of_ones_own_and_arrays_are_asked_the_same(tmp_path):
     joint = models.joint(inertia=(J, 0.04 * J), viscous=(B, 0.1 * B), without=LESS)
     log = Series(T, RPM * speeds(), {"torque": TORQUE}, RPM * 0.02)

@@ -102,6 +102,7 @@ def test_what_a_plan_cannot_do_it_says(planned):
         ({"mean": 0.15, "sd": 1.0}, ["contact.kinetic_friction"]),
     ],
 )
+@pytest.mark.daily("friction2")
 def test_a_change_that_cannot_be_is_smaller_or_reversed_or_left_out(friction, left_out):
     made = plan(NOMINAL.with_uncertain({"contact.kinetic_friction": friction}), 2)
     assert made.left_out == left_out

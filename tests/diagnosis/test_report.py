@@ -129,6 +129,7 @@ def test_a_sure_cause_that_takes_too_little_for_a_claim_acts_beside_something(ro
     assert "The nearest is" not in text
 
 
+@pytest.mark.nightly
 def test_the_page_has_no_number_that_the_dictionary_lacks(results, rough, none):
     """A page of report.json as it is read again, and one in which a number was changed."""
     for result in (rough, none, results["data-problem"]):
@@ -299,6 +300,7 @@ def test_nothing_is_written_where_one_file_cannot_be(rough, tmp_path):
     assert [each.name for each in tmp_path.iterdir()] == ["report.json"]
 
 
+@pytest.mark.nightly
 def test_a_measurement_has_an_extended_scenario(tmp_path):
     measured = made_velocities.measurement(made_velocities.trials())
     result = Diagnosis(run(posed_by(measured), 0), measured)

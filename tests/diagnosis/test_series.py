@@ -93,11 +93,12 @@ def test_a_cause_is_named_over_records_of_unequal_length_with_starts_of_their_ow
 @pytest.mark.parametrize(
     ("name", "size", "value", "change"),
     [
-        pytest.param("slow valve", "slow valve.time", 0.4, "lag", marks=pytest.mark.nightly),
+        ("slow valve", "slow valve.time", 0.4, "lag"),
         ("late valve", "late valve.time", 0.33, "delay"),
         ("leak", "leak.height", -0.25, "step"),
     ],
 )
+@pytest.mark.daily("leak")
 def test_what_an_input_suffers_is_named_with_its_size(name, size, value, change):
     u = drive(3)
     if change == "lag":

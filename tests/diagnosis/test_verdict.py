@@ -55,6 +55,7 @@ def test_one_cause_is_named_with_its_size(name, size, seed):
     assert result.verdict.gain.certain
 
 
+@pytest.mark.nightly
 def test_a_large_cause_beside_a_model_error_is_dominant():
     error = 0.12 * np.random.default_rng(5).standard_normal(30)
     result = found(data(extra(wave=1.5) + error, sd=0.03))
@@ -204,6 +205,7 @@ def test_a_pair_without_which_nothing_explains_the_data_needs_no_other_proof():
 
 
 @pytest.mark.parametrize("size", [0.5, 0.55], ids=["one is sure", "both are sure"])
+@pytest.mark.daily("both are sure")
 def test_two_causes_that_nothing_held_out_proves_are_left_open(size):
     """Each moves one reading by five errors or more, so that no other part tells its size."""
 
@@ -275,6 +277,7 @@ def test_what_changes_slowly_beside_a_dominant_cause_is_said():
 
 
 @pytest.mark.parametrize("size", [0.05, 0.2])
+@pytest.mark.daily("0.2")
 def test_twins_stay_open_beside_what_is_as_large_as_they_differ_by(size):
     """A wave and the same 0.25 later, of an rms difference of 0.14, beside slow waves."""
     x = np.linspace(1.0, 3.0, 200)
