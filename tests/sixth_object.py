@@ -99,6 +99,15 @@ for made in (
     assert made.fluid == scenario.fluid
 assert pickle.loads(pickle.dumps(scenario.drag)) == scenario.drag
 
+assert {*Scenario(shake=scenario.shake)._held} == {"shake.accelerations"}
+assert "A curve." in Drag.__doc__
+with pytest.raises(ScenarioError, match=r"drive\.program"):
+    Waveform.ipp(program=wave)
+asked = Scenario().replace({"record.pull_share": "yes", "record.rate": 1e3})
+assert asked.without_record() == Scenario().replace({"record.pull_share": "yes"})
+recorded = scenario.replace({"record.rate": 1e3})
+assert points_of(recorded, [{}]).identity() == points_of(scenario, [{}]).identity()
+
 text = scenario.to_toml(folder / "s.toml")
 assert 'file = "s.curve.txt"' in text
 assert load(folder / "s.toml") == scenario
