@@ -3,96 +3,101 @@
 from __future__ import annotations
 
 import json
+import resource
 import tempfile
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
-from unittest import mock
 
 import numpy as np
-from measure import ROOT
-from real.study import axis
+from blind.settings import PULSES
+from causes.make import KINDS
+from causes.tools import Asked, best_bic
+from causes.walkers import FLOOR, SCATTER, STATED, TRIALS
 
 from stickslip import (
     Cause,
-    Diagnosis,
     Parameter,
     Prior,
     Scenario,
+    Series,
     Table,
-    _core,
     diagnose,
     diagnose_model,
+    models,
     read_measurement,
     simulate,
 )
+from stickslip.diagnosis.model import posed
+from stickslip.walker.problem import posed_by
 
-EXAMPLE = ROOT / "examples" / "measurement.toml"
-FREQUENCIES = (25.0, 50.0, 75.0)  # Hz; two of them are those of the example
-SPREAD = 0.2  # of a velocity: twenty times the error of a trial, and like no cause
-
-
-def _example() -> Diagnosis:
-    return diagnose(read_measurement(EXAMPLE), threads=1)
-
-
-def _unexplained(conditions: int) -> Diagnosis:
-    """The example's drives with velocities that are each off by a random factor."""
-    factors = 1.0 + SPREAD * np.random.default_rng(1).standard_normal(conditions)
-    walk = Scenario.from_toml(EXAMPLE.with_name("walk.toml"))
-    rows = ["mode,direction,frequency,velocity"]
-    for frequency in FREQUENCIES[: conditions // 4]:
-        for mode in ("IPP", "OPP"):
-            for direction in ("+x", "-x"):
-                drive = {"mode": mode, "direction": direction, "frequency": frequency}
-                run = simulate(walk.replace({f"drive.{key}": each for key, each in drive.items()}))
-                velocity = run.mean_velocity * factors[len(rows) - 1]
-                rows.append(f"{mode},{direction},{frequency:g},{velocity:.4e}")
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        for each in ("measurement.toml", "walk.toml"):
-            (folder / each).write_text(EXAMPLE.with_name(each).read_text())
-        (folder / "velocity.csv").write_text("\n".join(rows) + "\n")
-        return diagnose(read_measurement(folder / "measurement.toml"), threads=1)
+SEED = 82
+DRIVES = [(mode, frequency) for mode in ("IPP", "OPP") for frequency in range(20, 105, 5)]
+ROUGH = {"effects.friction_anisotropy.fraction": 0.25}  # higher to the front
+BENT = 0.1  # of a velocity, by a wave over the frequencies: like no cause
 
 
-CASES: dict[str, Callable[[], Diagnosis]] = {
-    "README's example": _example,
-    "nothing explains, 8 conditions": lambda: _unexplained(8),
-    "nothing explains, 12 conditions": lambda: _unexplained(12),
-    "own model, a record of 495 readings": lambda: axis.diagnose_in_time(),
+def _log(count: int) -> Asked:
+    """A body that is heated in steps and loses more where it is warmer."""
+    own, random = KINDS["thermal"], np.random.default_rng(SEED)
+    t = own["step"] * np.arange(count)
+    power = np.repeat(random.uniform(0.0, 60.0, count // 15 + 1), 15)[:count]
+    stated = {name: (value, value * part) for name, (value, part) in own["constants"].items()}
+    model = models.thermal(without=own["without"], **stated, **own["known"])
+    y = model.simulate(t, {"power": power}, loss_growth=0.02, start_temperature=293.0)
+    y += 0.02 * np.std(y) * random.standard_normal(count)
+    log = Series(t, y, {"power": power}, unit="K")
+    return Asked(posed(log, model, *model.terms(log)), partial(diagnose_model, model, log))
+
+
+def _walker(changes: dict[str, float], bent: float) -> Asked:
+    """Three trials of each of 34 drives of a robot that is other than stated, or off by a wave."""
+    rows, random = ["mode,frequency,trial,velocity"], np.random.default_rng(SEED)
+    nominal = {name: float(prior.value(0.0)) for name, prior in STATED.items()}
+    walk = Scenario().replace({**nominal, **changes, "drive.pulses": PULSES})
+    for mode, frequency in DRIVES:
+        run = simulate(walk.replace({"drive.mode": mode, "drive.frequency": float(frequency)}))
+        level = run.mean_velocity * (1.0 + bent * np.sin(frequency / 10.0))
+        noise = np.hypot(SCATTER * level, FLOOR) * random.standard_normal(TRIALS)
+        rows += [f"{mode},{frequency},{k},{level + each:.5e}" for k, each in enumerate(noise)]
+    stated = "\n".join(f'"{name}" = {each.stated}' for name, each in STATED.items())
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "measurement.toml"
+        path.with_name("log.csv").write_text("\n".join(rows) + "\n")
+        nominal_text = f"stickslip = 1\n\n[drive]\npulses = {PULSES}\n"
+        path.with_name("nominal.toml").write_text(nominal_text)
+        path.write_text(
+            'stickslip_measurement = 1\nscenario = "nominal.toml"\n\n'
+            f'[uncertain]\n{stated}\n\n[[velocity]]\nfile = "log.csv"\n'
+        )
+        measured = read_measurement(path)
+    problem = posed_by(measured)
+    return Asked(problem, partial(diagnose, measured, threads=1), problem.sd)
+
+
+CASES: dict[str, Callable[[], Asked]] = {
+    "log of 500 readings": partial(_log, 500),
+    "log of 20 000 readings": partial(_log, 20_000),
+    "log of 200 000 readings": partial(_log, 200_000),
+    "walker of 34 conditions": partial(
+        _walker, {"effects.friction_anisotropy.fraction": 0.25}, 0.0
+    ),
+    "walker of 34 conditions, nothing explains": partial(_walker, {}, BENT),
 }
 
 
 def main(name: str) -> None:
-    """Print CPU seconds, simulations or predictions, and the verdict of a case, as JSON."""
-    simulations = 0
-
-    def counting(run: Callable, place: int) -> Callable:
-        def counted(*given: object) -> object:
-            nonlocal simulations
-            simulations += len(given[place])
-            return run(*given)
-
-        return counted
-
-    def own(predict: Callable, *given: object, **options: object) -> Diagnosis:
-        def counted(table: object, p: dict[str, np.ndarray]) -> np.ndarray:
-            nonlocal simulations
-            simulations += len(next(iter(p.values())))
-            return predict(table, p)
-
-        return diagnose_model(counted, *given, **options)
-
-    with (
-        mock.patch.object(_core, "sweep", counting(_core.sweep, 2)),
-        mock.patch.object(_core, "simulate_batch", counting(_core.simulate_batch, 0)),
-        mock.patch.object(axis, "diagnose_model", own),
-    ):
-        started = time.process_time()
-        found = CASES[name]()
-        seconds = time.process_time() - started
-    print(json.dumps({"cpu_seconds": seconds, "simulations": simulations, "verdict": str(found)}))
+    """Print CPU seconds of a case and of its rival, its peak memory and its verdict, as JSON."""
+    asked = CASES[name]()
+    started = time.process_time()
+    found = asked.diagnosed()
+    ended = time.process_time()
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
+    best_bic(asked)
+    cpu = [ended - started, time.process_time() - ended]
+    print(json.dumps({"cpu_seconds": cpu, "memory": memory, "verdict": str(found),
+                      "causes": found.verdict.causes}))  # fmt: skip
 
 
 BEND = Cause("bend", Parameter("bend.size", size=0.2, low=-3.0, high=3.0), "a parabola")

@@ -71,11 +71,13 @@ class Budget:
 Part = Callable[[dict[str, Row], Budget], Iterator[tuple[str, Row]]]
 
 
-def cpu_row(samples: Sequence[Sequence[float]], count: int = 1) -> Row:
-    """Of CPU seconds of a work, of which a figure is one of `count`, and of the fixed program."""
+def cpu_row(
+    samples: Sequence[Sequence[float]], count: int = 1, rival: str = "fixed program"
+) -> Row:
+    """Of CPU seconds of a work, of which a figure is one of `count`, and of a rival's."""
     seconds = figure_of([row[0] / count for row in samples])
     figure = ratios([(row[0] / count, row[-1]) for row in samples])
-    return {"unit": "fixed program", **figure._asdict(), "seconds": seconds._asdict()}
+    return {"unit": rival, **figure._asdict(), "seconds": seconds._asdict()}
 
 
 def figure_row(found: dict[str, float], unit: str) -> Row:
@@ -154,18 +156,18 @@ def in_process(code: str) -> Any:
 
 
 def diagnosis(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
-    """CPU time and simulations of whole diagnoses with one thread."""
+    """CPU time of whole diagnoses with one thread over that of a rival, and their memory."""
     for turn in range(REPEATS):
         for name in diagnoses.CASES:
             row = done.get(name, {"samples": []})
             if len(row["samples"]) > turn:
                 continue
             budget.check()
-            with beside_program() as sample:
-                found = in_process(f"import diagnoses; diagnoses.main({name!r})")
-                samples = [*row["samples"], sample(found["cpu_seconds"])]
-            yield name, {**cpu_row(samples), "verdict": found["verdict"], "samples": samples}
-            yield f"{name}, simulations", number_row(found["simulations"], "simulations")
+            found = in_process(f"import diagnoses; diagnoses.main({name!r})")
+            samples = [*row["samples"], found["cpu_seconds"]]
+            row = cpu_row(samples, rival="best BIC")
+            yield name, {**row, "verdict": found["verdict"], "samples": samples}
+            yield f"{name}, peak memory", number_row(found["memory"], "MB")
 
 
 def tables(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:

@@ -102,20 +102,18 @@ def listed(name, data, size):
     return causes + [make(last, given) for make in OF_INPUTS for given in data.inputs]
 
 
-def p_values(name, seed, only=None):
+def p_values(name, seed):
     """Of the test of a record of a machine with white errors of stated size, by what is listed.
 
-    That is each cause alone, and all together; or `only` one of them.
+    That is each cause alone, and all together.
     """
     draw = np.random.default_rng([seed, MACHINES.index(name)])
     predict, constants, sound, make = machine(name, draw)
     sd = 0.02 * float(np.std(sound))
     data = make(sound + sd * draw.standard_normal(len(sound)), sd=sd)
-    causes = [one for one in listed(name, data, 5.0 * sd) if only in (None, one.name)]
+    causes = listed(name, data, 5.0 * sd)
     # With a fault of the data no cause is looked for, and the test is as ever.
     found = run(posed(data, predict, constants, causes), 0, fault=ONLY_TESTED)
-    if only is not None:
-        return {only: found.test.p_value}
     result = {"all": found.test.p_value}
     for cause in causes:
         own = [effect for effect in found.responses if effect.cause.name == cause.name]

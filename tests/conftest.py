@@ -41,9 +41,14 @@ def pytest_addoption(parser):
     parser.addoption("--part", metavar="K/N", help="every Nth test alone, from the Kth on")
 
 
-@pytest.hookimpl(trylast=True)  # of the tests that the markers leave
+@pytest.hookimpl(wrapper=True)
 def pytest_collection_modifyitems(config, items):
-    part = config.getoption("--part")
+    for item in items:
+        mark = item.get_closest_marker("daily")
+        if mark and not {item.callspec.id, *item.callspec.id.split("-")} & {*mark.args}:
+            item.add_marker("nightly")
+    yield
+    part = config.getoption("--part")  # of the tests that the markers leave
     if part is not None:
         number, parts = map(int, part.split("/"))
         left = items[number - 1 :: parts]

@@ -16,7 +16,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 PYTHON = shlex.quote(sys.executable)
 HOUR, DAY, WEEK = 3600, 24 * 3600, 7 * 24 * 3600
-PARTS = 6
+PARTS = 8
 
 
 def jobs(seed: int) -> dict[str, tuple[int, str]]:
@@ -26,7 +26,7 @@ def jobs(seed: int) -> dict[str, tuple[int, str]]:
         f"{PYTHON} -m pytest -n 2 -q -m '' tests/test_random_scenarios.py"
         f" --hypothesis-profile nightly --hypothesis-seed {seed}"
     )
-    result = {f"part-{k}": (12, f"{pytest} --part {k}/{PARTS}") for k in range(1, PARTS + 1)}
+    result = {f"part-{k}": (10, f"{pytest} --part {k}/{PARTS}") for k in range(1, PARTS + 1)}
     return result | {
         "asan": (10, _preset("asan", "stickslip_tests") + " && ctest --preset asan -j 2"),
         "tsan": (8, _preset("tsan", "stickslip_tests") + " && ctest --preset tsan -j 2"),

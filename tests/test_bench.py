@@ -172,6 +172,7 @@ def test_figures_of_other_verdicts_are_said_to_be_stale(
     assert stale.digest() in after
 
 
+@pytest.mark.nightly
 def test_what_is_made_states_the_verdicts_of_its_engine(tmp_path, monkeypatch):
     monkeypatch.setattr(stale, "VERDICTS", tmp_path / "verdicts.jsonl")
     stale.VERDICTS.write_text("a\n")
@@ -258,6 +259,7 @@ def fixed_program():
         {"mode": "OPP", "base": 0.0, "peak": 5e-4, "frequency": 3.0, "pulses": 5},
     ],
 )
+@pytest.mark.nightly
 def test_the_fixed_program_has_the_physics_of_the_product(fixed_program, changes):
     scenario = REFERENCE.replace({f"drive.{key}": value for key, value in changes.items()})
     exact = stickslip.simulate(with_solver(scenario, 1e-11))

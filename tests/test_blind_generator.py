@@ -103,6 +103,7 @@ def arrays(name, amount, tables):
 
 
 @pytest.mark.parametrize("name", [*CAUSES, *LAWS, *INSTRUMENTS])
+@pytest.mark.nightly
 def test_nothing_of_a_truth_changes_nothing_and_some_of_it_does(name):
     tables = tables_of(name)
     plain, none, some = (arrays(*each, tables) for each in (("", 0), (name, 0.0), (name, 1.0)))
@@ -111,6 +112,7 @@ def test_nothing_of_a_truth_changes_nothing_and_some_of_it_does(name):
 
 
 @pytest.mark.parametrize("name", [each for each in CAUSES if not CAUSES[each].fixed])
+@pytest.mark.nightly
 def test_a_truth_of_the_librarys_form_is_what_the_core_has(name):
     truth = truth_with(name, 1.0)
     shared = {key: value for key, value in MIDDLE.items() if key.startswith(("contact", "drag"))}
@@ -139,6 +141,7 @@ def test_fields_are_those_of_the_core():
 
 
 @pytest.mark.parametrize("name", ["clock_scale", "surface_tilt"])
+@pytest.mark.nightly
 def test_frames_of_a_film_are_those_of_the_core(name):
     truth = truth_with(name, 1.0)
     seen = readings(truth, [], ("film",)).films
@@ -226,6 +229,7 @@ def test_what_is_hidden_is_as_strong_as_asked_for(kind):
 
 
 @pytest.mark.parametrize("name", MODEL_ERRORS)
+@pytest.mark.nightly
 def test_errors_of_the_model_are_of_size_one_and_the_same_for_every_trial(name):
     drives = conditions("none", ("velocity",))
     count = 300
@@ -296,6 +300,7 @@ def test_the_same_cause_has_a_cosine_of_one():
     assert max(cosines[name] for name in cosines if name != "field_gain") < 1.0
 
 
+@pytest.mark.nightly
 def test_nothing_of_the_package_decides_about_a_data_set():
     program = (
         "import sys, blind.writing\n"

@@ -32,6 +32,7 @@ def test_the_page_has_what_the_command_prints():
 
 @pytest.mark.parametrize("tool", ["best BIC", "stepwise F"])
 @pytest.mark.parametrize("name", ["thermal-01", "pendulum-02"])
+@pytest.mark.daily("thermal")
 def test_a_stored_answer_is_that_of_its_tool(tool, name):
     stored = json.loads((ANSWERS / f"{tool.replace(' ', '-')}.json").read_text())[name]
     answer = TOOLS[tool](dict(asked())[name]())
@@ -60,6 +61,7 @@ def test_a_walker_is_what_its_seed_makes():
         (0.0, 0.02, ("none", [])),
     ],
 )
+@pytest.mark.daily("said0", "said2")
 def test_an_armature_is_told_as_far_as_the_inertia_of_the_load_is_known(armature, inertia, said):
     own, random = make.KINDS["servo"], np.random.default_rng([81, 3])
     t = own["step"] * np.arange(120)
@@ -69,9 +71,10 @@ def test_an_armature_is_told_as_far_as_the_inertia_of_the_load_is_known(armature
     y = make.simulated("servo", hidden, t, goal) + 0.004 * random.standard_normal(len(t))
     known = {**own["known"], "inertia": inertia}
     priors = {name: (value, part * value) for name, (value, part) in own["constants"].items()}
-    less = ["backlash", "stribeck", "late goal", "slow sensor"]  # what takes long
-    servo = models.servo(**known, **priors, without=[*own["without"], *less])
-    found = diagnose_model(servo, Series(t, y, {"goal": goal}, unit="rad")).verdict
+    log = Series(t, y, {"goal": goal}, unit="rad")
+    every = models.servo(**known, **priors).terms(log)[1]
+    less = {one.name for one in every} - {"armature", "load_friction"}
+    found = diagnose_model(models.servo(**known, **priors, without=[*less]), log).verdict
     assert (found.kind, sorted(found.causes)) == said
 
 

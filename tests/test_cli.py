@@ -97,6 +97,7 @@ def test_a_failed_simulation_exits_with_one(scenario):
     assert (summary["status"], summary["mean_velocity"]) == ("left_workspace", None)
 
 
+@pytest.mark.nightly
 def test_out_and_plot_set_a_recording_rate(scenario, tmp_path):
     done = stickslip("run", scenario, "--out", tmp_path / "a.nc", "--plot", tmp_path / "a.png")
     assert (done.returncode, done.stderr) == (0, "")
@@ -108,6 +109,7 @@ def test_out_and_plot_set_a_recording_rate(scenario, tmp_path):
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.nc", "a.png", "scenario.toml"]
 
 
+@pytest.mark.nightly
 def test_the_rate_is_the_given_one_and_of_a_long_run_a_lower_one(scenario, tmp_path):
     long = ["--set=drive.peak=0", "--set=drive.base=0", "--set=drive.hold=0"]
     long += ["--set=drive.pulses=19995"]  # 200 s of at most a million samples
@@ -158,6 +160,7 @@ def test_a_picture_of_which_nothing_can_be_drawn_is_a_failure(scenario, tmp_path
         ("walk.gif", "--set=drive.pulses=40 --slowdown=10", 10),
     ],
 )
+@pytest.mark.nightly
 def test_a_run_is_written_as_a_moving_picture(scenario, tmp_path, name, options, frames):
     pictures = ["--animate", tmp_path / name, "--plot", tmp_path / "run.png"]
     done = stickslip("run", scenario, *pictures, *options.split())

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from command_line import stickslip
-from made_measurement import write
+from made_measurement import few_causes, write
 from report_page import Page
 from stickslip import Drive, Measurement, Scenario, ScenarioError, Waveform, diagnose
 from stickslip._util.files import text_writer, write_together
@@ -152,7 +152,9 @@ def test_a_note_shows_what_a_file_holds_without_its_control_characters():
     assert printable(WILD) in str(note)
 
 
-def test_names_of_files_are_text_on_the_page_whatever_they_hold(tmp_path):
+@pytest.mark.nightly
+def test_names_of_files_are_text_on_the_page_whatever_they_hold(tmp_path, monkeypatch):
+    few_causes(monkeypatch, ("surface_tilt",))
     wild = f"<em>{WILD}</em>"
     path = write(tmp_path, {})
     cells = wild.replace("/", "")

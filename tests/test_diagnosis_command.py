@@ -10,7 +10,7 @@ from made_measurement import few_causes, write
 from report_page import without_pictures
 from stickslip import Scenario, load, predict, simulate
 
-FEW = ("surface_tilt", "friction_anisotropy", "field_gain")
+FEW = ("surface_tilt", "field_gain")
 TILT = {"effects.surface_tilt.angle": 0.04}
 
 
@@ -94,6 +94,7 @@ def test_predictions_take_what_a_diagnosis_leaves(tilted):
         assert row["mean_velocity"][0] < row["mean_velocity"][2]
 
 
+@pytest.mark.nightly
 def test_conditions_without_motion_are_not_a_finding(tmp_path):
     # A pulse of 0.1 mT above the base moves the model by less than a micrometre a second, which
     # would be many errors if readings of zero were taken for the noise.
@@ -133,6 +134,7 @@ def drifting(lines):
     ],
     ids=["no repeats", "drift"],
 )
+@pytest.mark.daily("no repeats")
 def test_data_that_allow_no_diagnosis_are_told_with_the_reason(tmp_path, change, said):
     path, out = write(tmp_path, {}, change=change), tmp_path / "found"
     done = stickslip("diagnose", path, "--out", out)
@@ -157,6 +159,7 @@ def test_data_that_allow_no_diagnosis_are_told_with_the_reason(tmp_path, change,
     ],
     ids=["out of order, capitals", "in mm/s"],
 )
+@pytest.mark.daily("in mm/s")
 def test_tables_with_invalid_rows_give_the_right_verdict(tmp_path, change, said):
     done, told, report = diagnosed(tmp_path, change=change)
     assert (told["verdict"], told["cause"], told["seed"]) == ("none", None, 3)
@@ -168,6 +171,7 @@ def test_tables_with_invalid_rows_give_the_right_verdict(tmp_path, change, said)
     assert said is None or said in lines[-1]
 
 
+@pytest.mark.nightly
 def test_single_trials_are_judged_by_the_stated_error(tmp_path):
     _, said, _ = diagnosed(
         tmp_path, None, lambda lines: [lines[0], *lines[1::3]], "velocity_sd = 0.02\n"

@@ -7,7 +7,7 @@ import pytest
 
 from asking_results import SAFE, asking, measurement
 from command_line import stickslip
-from made_measurement import write
+from made_measurement import few_causes, write
 from stickslip._util.columns import read_table
 from stickslip.diagnosis.decision.experiments import LEAST_WORTH
 from stickslip.walker.next_table import PREDICTIONS, TABLE, with_measured
@@ -109,7 +109,9 @@ def test_where_nothing_is_worth_measuring_no_table_is_written(begun, options, sa
     assert (told["safe"], told["proposed"], told["table"]) == ("said" in options, 0, None)
 
 
-def test_without_a_finding_nothing_is_proposed(tmp_path):
+@pytest.mark.nightly
+def test_without_a_finding_nothing_is_proposed(tmp_path, monkeypatch):
+    few_causes(monkeypatch, ("surface_tilt",))
     path, found = write(tmp_path, {}), tmp_path / "found"
     done = stickslip("diagnose", path, "--out", found, "--next", 2, "--seed", 3, "--json")
     said = json.loads(done.stdout)

@@ -56,17 +56,15 @@ INTERRUPTED = {
     "reproduce --out=out/found": ("%", "", []),
     "diagnose m.toml --out=out/found --threads=1 --seed=1": ("%", "", []),
 }  # fmt: skip
-# They end as others do that leave nothing.
-ALIKE = {
-    command
-    for command, (_, said, *_) in INTERRUPTED.items()
-    if not said and not command.startswith("diagnose")
-}
 
 
+# Those of the others, which take long to begin, are nightly.
 @pytest.mark.parametrize(
     "command",
-    [pytest.param(c, marks=pytest.mark.nightly if c in ALIKE else ()) for c in INTERRUPTED],
+    [
+        pytest.param(c, marks=() if c.startswith("run") else pytest.mark.nightly)
+        for c in INTERRUPTED
+    ],
 )
 def test_a_signal_ends_a_command(tmp_path, command):
     shows, said, left, *signals = INTERRUPTED[command]

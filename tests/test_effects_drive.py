@@ -112,6 +112,7 @@ def test_currents_with_lag_heating_and_coupling_are_those_of_the_circuit(lag, he
 
 
 @pytest.mark.parametrize(("frequency", "pulses"), [(2.0, 3), (100.0, 30), (400.0, 40)])
+@pytest.mark.daily("2.0")
 def test_pulsed_coils_are_heated_by_all_their_pulses(frequency, pulses):
     drive = {"frequency": frequency, "pulses": pulses, "hold": 2e-3, "ramp": 0.01}
     waveform = Waveform.ipp(**drive)

@@ -37,6 +37,7 @@ def _solved(w, b, mu):
     return p[: 3 * n].reshape(n, 3), (w @ p[: 3 * n] + b).reshape(n, 3)
 
 
+@pytest.mark.nightly
 def test_cone_conditions_hold_for_random_bodies():
     random = np.random.default_rng(3)
     for _ in range(200):

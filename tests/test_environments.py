@@ -46,6 +46,7 @@ def played(envs, steps, seed=1):
 
 
 @pytest.mark.parametrize("task", TASKS)
+@pytest.mark.daily("Walk")
 def test_the_checks_of_gymnasium_find_nothing(task):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -62,6 +63,7 @@ def where(picture, colour):
 
 
 @pytest.mark.parametrize("task", TASKS)
+@pytest.mark.daily("Walk", "Reach")
 def test_a_picture_shows_the_robot_where_it_is(task):
     options = {"render_mode": "rgb_array", "max_episode_steps": 500}
     env = gymnasium.make(f"stickslip/{task}-v0", **options)

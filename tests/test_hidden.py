@@ -71,7 +71,7 @@ JOINT = {"less": ["asymmetry", "slow torque", "late torque", "scale", "gravity"]
          "u": lambda t: 0.08 * smooth(t)}  # fmt: skip
 AXIS = {"less": ["asymmetry", "scale", "quadratic", "saturation", "gain_asymmetry", "stribeck"],
         "u": lambda t: 1.5 * smooth(t)}  # fmt: skip
-SWING = {"less": ["scale", "slow sensor", "zero"], "step": 0.12, "count": 40}
+SWING = {"less": ["scale", "slow sensor", "zero", "coulomb"], "step": 0.12, "count": 40}
 RINGING = {"less": ["scale", "quadratic_stiffness", "zero", "late force", "slow sensor"],
            "u": lambda t: 4.0 * smooth(t)}  # fmt: skip
 RESONANT = {"less": [*RINGING["less"], "cubic_stiffness"], "noise": 0.03,
@@ -90,7 +90,7 @@ MACHINES = {
         "stiffness",
         4.0,
         {"length"},
-        SWING | {"less": [*SWING["less"], "coulomb", "quadratic"], "start": 0.05},
+        SWING | {"less": [*SWING["less"], "quadratic"], "start": 0.05},
     ),
     ("oscillator", "hidden"): ("cubic_stiffness", 300.0, set(), RINGING),
     ("oscillator", "twin"): ("quadratic", 1.0, {"cubic_damping"}, RESONANT),
@@ -234,6 +234,7 @@ def judge(result, what, cause, twins):
 
 
 @pytest.mark.parametrize("row", MACHINES, ids=ids(MACHINES))
+@pytest.mark.daily("joint", "axis", "oscillator", "thermal", "pendulum-hidden", "pendulum-clean")
 def test_a_machine(row):
     cause, size, twins, how = MACHINES[row]
     result = logged(row[0], cause, size, **how)
@@ -245,6 +246,7 @@ def test_a_machine(row):
 
 
 @pytest.mark.parametrize("row", WALKERS, ids=ids(WALKERS))
+@pytest.mark.daily("velocities", "angles", "fields", "film-hidden", "film-clean", "track-clean")
 def test_a_walker(row, tmp_path, monkeypatch):
     few_causes(monkeypatch, EFFECTS[row[0]])
     cause, twins, how = WALKERS[row]

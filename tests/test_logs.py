@@ -509,13 +509,3 @@ def test_what_may_be_two_things_is_refused(case, tmp_path):
     (tmp_path / "a.csv").write_text(text)
     with pytest.raises(ScenarioError, match=said):
         models.read_log(tmp_path / "a.csv", model)
-
-
-@pytest.mark.parametrize(
-    "text",
-    ["# Time (s),Speed (rad/s),Torque (N m)\n0,1,0\n1,2,0\n",
-     "Zeit (s),Drehzahl (rad/s),Moment (N m),Modus\n0,1,0,load\n1,2,0,load\n"],
-)  # fmt: skip
-def test_a_header_is_found_in_any_case_and_data_are_none(text, tmp_path):
-    (tmp_path / "a.csv").write_text(text)
-    assert models.read_log(tmp_path / "a.csv", JOINT).y.tolist() == [1.0, 2.0]

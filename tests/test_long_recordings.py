@@ -142,6 +142,7 @@ def test_an_effect_that_fails_keeps_the_record(tmp_path):
         unregister("own")
 
 
+@pytest.mark.nightly
 def test_an_interrupted_command_says_what_it_kept(tmp_path):
     ENDLESS.to_toml(tmp_path / "scenario.toml")
     out = tmp_path / "out"
@@ -221,6 +222,7 @@ def test_two_recordings_of_one_name_never_mix(tmp_path):
     assert open_run(part).samples == 341
 
 
+@pytest.mark.nightly
 def test_memory_does_not_grow_with_the_record(tmp_path):
     code = (
         "import resource, sys\n"

@@ -64,6 +64,7 @@ def batches(monkeypatch):
     return judged
 
 
+@pytest.mark.nightly
 def test_the_largest_field_is_where_both_currents_are_at_their_limit(few):
     # |B| <= hypot(I, I) k with k the field per ampere at the centre; 1 A needs 10 of the 26 V. Of
     # coils that are less resistant the limit is reached first, and it has to hold in these too.

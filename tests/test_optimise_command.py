@@ -23,6 +23,7 @@ FEW = ("--evaluations", 25, "--draws", 3, "--fresh", 5)
 WAVE = ("--maximise", "mean_velocity", "--limit", "voltage_max=26", "--knots", 4)
 
 
+@pytest.mark.nightly
 def test_the_files_are_a_scenario_its_voltages_and_a_picture(scenario, tmp_path):
     out = tmp_path / "found"
     done = stickslip("optimise", scenario, *WAVE, *FEW, "--free", "drive.frequency=60:90",

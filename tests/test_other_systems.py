@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import stickslip
 
 # Modules and names of os and signal that Windows, macOS or WebAssembly are without.
@@ -12,6 +14,8 @@ HIDDEN = """
 import os
 import signal
 import sys
+
+import pytest
 
 for name in ("fcntl", "grp", "pwd", "resource", "termios", "_posixshmem"):
     sys.modules[name] = None
@@ -62,6 +66,7 @@ def python(code, folder):
     )
 
 
+@pytest.mark.nightly
 def test_modules_runs_and_sweeps_need_nothing_that_other_systems_lack(tmp_path):
     result = python(HIDDEN + IMPORTS + WORK, tmp_path)
     assert result.returncode == 0, result.stderr

@@ -53,7 +53,7 @@ def voltages(uncertain, draws, levels):
     ],
     ids=["prior", "covariance"],
 )
-def testquantiles_with_errors_are_those_of_the_law_where_a_figure_is_linear(uncertain):
+def test_quantiles_with_errors_are_those_of_the_law_where_a_figure_is_linear(uncertain):
     draws, levels = 600, (0.1, 0.25, 0.5, 0.9)
     expected = norm.ppf(levels, 1.0, 0.05)
     # The standard error of a sample's quantile is sqrt(q (1 - q) / n) over the density there; five
@@ -63,7 +63,7 @@ def testquantiles_with_errors_are_those_of_the_law_where_a_figure_is_linear(unce
     assert (np.abs(voltages(uncertain, draws, levels) - expected) < 5.0 * error).all()
 
 
-def testquantiles_with_errors_are_those_of_single_runs_of_the_draws(found):
+def test_quantiles_with_errors_are_those_of_single_runs_of_the_draws(found):
     for frequency in GRID["drive.frequency"]:
         drive = {"drive.frequency": frequency, "drive.mode": "IPP"}
         runs = simulate_batch([each.replace(drive) for each in BASE.draws(24)])
@@ -221,7 +221,7 @@ def test_an_empty_mapping_varies_nothing():
     assert predict(BASE, {}, draws=2).identical(predict(BASE, draws=2))
 
 
-def test_the_velocity_along_headings_hasquantiles_with_errors():
+def test_the_velocity_along_headings_has_quantiles_with_errors():
     base = Scenario(
         drive=Drive(base=0.5e-3, pulses=4),
         uncertain={"contact.kinetic_friction": {"mean": 0.145, "sd": 0.01}},

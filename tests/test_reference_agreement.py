@@ -5,6 +5,9 @@ import pytest
 from helpers import run
 from reference import simulate_reference
 
+# Its kernels are compiled for half a minute.
+pytestmark = pytest.mark.nightly
+
 # The required agreement. The reference errs by less than 1e-4 on most of these at its step of
 # 0.2 us, and the product by its tolerance; the slowest crawl (0.02 mm/s out of 0.6 mm/s of travel
 # to and fro) by 8e-4.
@@ -43,14 +46,7 @@ def _name(case):
     return "-".join([case[0], f"{case[1]}Hz", *case[2:4], *words])
 
 
-# Every third drive for each change, but for slow pulses; those at the limit always.
-DRIVES = [
-    pytest.param(case, marks=pytest.mark.nightly if number % 3 or case[1] < 20 else ())
-    for number, case in enumerate(SCENARIOS)
-]
-
-
-@pytest.mark.parametrize("case", [*DRIVES, *AT_THE_LIMIT], ids=_name)
+@pytest.mark.parametrize("case", [*SCENARIOS, *AT_THE_LIMIT], ids=_name)
 def test_a_drive(case):
     mode, frequency, edge, clamp, base, hold, static, kinetic, adhesion, more = case
     drive = {
@@ -171,10 +167,7 @@ def shaken(drive, contact, shake, inner=None, step=STEP):
     return run(keys, **drive).mean_velocity, other.mean_velocity
 
 
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(n, marks=pytest.mark.nightly if k % 3 else ()) for k, n in enumerate(SHAKEN)],
-)
+@pytest.mark.parametrize("name", SHAKEN)
 def test_a_shaken_surface(name):
     shake, contact, drive = SHAKEN[name]
     velocity, other = shaken({**STILL, **drive}, contact, {**ALONG, **shake})
@@ -207,10 +200,7 @@ CAPSULES = {
 }
 
 
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(n, marks=pytest.mark.nightly if k % 3 else ()) for k, n in enumerate(CAPSULES)],
-)
+@pytest.mark.parametrize("name", CAPSULES)
 def test_an_inner_mass(name):
     inner, contact, shake = CAPSULES[name]
     moved = {**ALONG, **shake} if shake else {}

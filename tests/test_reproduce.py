@@ -208,6 +208,7 @@ def study(small, tmp_path_factory):
     return reproduce(folder, points=POINTS, threads=2), folder
 
 
+@pytest.mark.nightly
 def test_all_is_written(study):
     result, folder = study
     files = {f"{name}{suffix}" for name in FIGURES for suffix in (".png", ".csv")}
@@ -222,6 +223,7 @@ def test_all_is_written(study):
     assert {"base (T)", "still_tilt (rad)", "works"} <= {*pd.read_csv(folder / "settings.csv")}
 
 
+@pytest.mark.nightly
 def test_a_setting_is_judged_by_single_simulations(study):
     table = study[0].settings
     assert len(table) == len(SMALL)
@@ -275,6 +277,7 @@ ROWS = {
 
 
 @pytest.mark.parametrize("name", ROWS)
+@pytest.mark.nightly
 def test_a_point_of_a_curve_is_a_single_simulation(study, name):
     figure, mode, place, changes = ROWS[name]
     result, row = study[0], study[0].tables[figure].iloc[place]
@@ -287,6 +290,7 @@ def test_a_point_of_a_curve_is_a_single_simulation(study, name):
         assert velocity == simulate(Scenario().replace(own)).mean_velocity
 
 
+@pytest.mark.nightly
 def test_the_film_shows_a_pulse_of_opp(study):
     table = study[0].tables["fig2"]
     assert 0.0 < table["t"].iloc[-1] - table["t"].iloc[0] < 2.0 / 30.0
@@ -299,10 +303,12 @@ def test_the_film_shows_a_pulse_of_opp(study):
 
 
 @pytest.mark.parametrize("name", FIGURES)
+@pytest.mark.nightly
 def test_no_panel_of_a_figure_is_empty(study, name):
     assert all(axes.has_data() or axes.patches for axes in study[0].figures[name].axes)
 
 
+@pytest.mark.nightly
 def test_points_are_laid_over_their_figure(study):
     *lines, points = study[0].figures["fig12"].axes[0].get_lines()
     assert len(lines) == 1
@@ -310,6 +316,7 @@ def test_points_are_laid_over_their_figure(study):
     assert len(study[0].figures["fig14"].axes[0].get_lines()) == 2
 
 
+@pytest.mark.nightly
 def test_the_command_and_any_number_of_threads(study, tmp_path):
     first, out = study[0], tmp_path / "out"
     done = stickslip("reproduce", "--out", out, "--only", "fig9, fig4", "--json", "--threads", 1)

@@ -4,6 +4,8 @@ import json
 import subprocess
 import sys
 
+import pytest
+
 from stickslip import Contact, Drive, Scenario, simulate
 
 PULSES = 200
@@ -71,6 +73,7 @@ def test_a_hundred_times_longer_needs_no_more_memory():
     assert long <= short + 128
 
 
+@pytest.mark.nightly
 def test_a_hundred_thousand_points(tmp_path):
     found = in_process(SWEEP, cwd=tmp_path)
     assert (found["points"], found["failed"]) == (100_000, 0)

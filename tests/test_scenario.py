@@ -5,6 +5,9 @@ import copy
 import inspect
 import pickle
 import re
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -319,6 +322,14 @@ def test_every_word_is_its_own_nearest_and_a_doubled_letter_is_recognised():
     assert tried > 3
     assert meant("wxyz", ["one", "two"]) == ""
     assert suggestion("wxyz", ["one", "two"], ["one"]) == 'known are "one"'
+
+
+def test_a_sixth_object_is_a_row_of_the_table(tmp_path):
+    script = Path(__file__).with_name("sixth_object.py")
+    done = subprocess.run(
+        [sys.executable, script, tmp_path], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
 
 
 @pytest.mark.parametrize("wrong", ['"wrong"', "[1]", "nan"])

@@ -277,10 +277,28 @@ def test_a_run_ends_where_its_condition_is_met(until):
     assert np.array_equal(run.x, whole.x[: run.samples])
 
 
-def test_a_condition_that_is_met_at_the_start_ends_the_run_there():
-    run = simulate(Scenario(), until="x >= -1")
+@pytest.mark.parametrize("until", ["x >= -1", "time >= 0", "time >= 1e-20", "theta >= 0"])
+@pytest.mark.parametrize("direction", ["+x", "-x"])
+def test_a_condition_that_is_met_at_the_start_ends_the_run_there(until, direction):
+    scenario = Scenario(drive=Drive(direction=direction)).replace({"record.rate": 1e3})
+    run = simulate(scenario, until=until)
     assert run.condition_met
     assert run.summary()["simulated_time"] == 0.0
+    assert run.t.tolist() == [0.0]
+    assert run.final_state == simulate(scenario, until="x >= -1").final_state
+    assert simulate(scenario.replace({"record.from": 1e-3}), until=until).samples == 0
+
+
+@pytest.mark.parametrize("early", [0.0, 1e-13, 1e-9])
+def test_a_time_at_the_end_of_the_drive_is_met_there(early):
+    scenario = Scenario(drive=Drive(pulses=4)).replace({"record.rate": 1e3})
+    whole, end = simulate(scenario), scenario.duration
+    run = simulate(scenario, until=f"time >= {end - early!r}")
+    assert run.condition_met
+    assert run.summary()["simulated_time"] == pytest.approx(end - early, rel=1e-12)
+    assert np.array_equal(run.t, whole.t[: run.samples])
+    assert run.samples == whole.samples - (early == 1e-9)
+    assert not simulate(scenario, until=f"time >= {end + 1e-9!r}").condition_met
 
 
 def test_a_run_that_its_condition_ends_says_over_what_it_is_measured():

@@ -76,7 +76,8 @@ def at_home(tmp_path_factory):
     return printed, files
 
 
-@pytest.mark.parametrize("where", [another_user, pytest.param(frozen, marks=pytest.mark.nightly)])
+@pytest.mark.nightly
+@pytest.mark.parametrize("where", [another_user, frozen])
 def test_all_is_as_at_home(tmp_path, at_home, where):
     printed, files = done_in(tmp_path, where)
     assert printed.decode("utf-8", "replace") == at_home[0].decode()

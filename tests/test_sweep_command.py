@@ -135,6 +135,7 @@ def test_dask(scenario, tmp_path):
         xarray.testing.assert_identical(stored.load(), sweep(load(scenario), GRID))
 
 
+@pytest.mark.nightly
 def test_a_cluster_that_does_not_answer(scenario):
     def asked(listening):
         with socket.socket() as server:

@@ -97,6 +97,7 @@ def test_a_worker_of_another_version_is_refused():
         sweep(SLOW, VARY, executor=executor)
 
 
+@pytest.mark.nightly
 def test_a_cluster_of_which_a_worker_is_killed(expected, tmp_path):
     killed = []
 

@@ -22,13 +22,12 @@ def own_rows():
         unregister(name)
 
 
-by_choice = pytest.mark.parametrize(
-    "choice", ["singles", "pairs", pytest.param("all", marks=pytest.mark.nightly)]
-)
+by_choice = pytest.mark.parametrize("choice", ["singles", "pairs", "all"])
 
 
 @by_choice
 @pytest.mark.parametrize("way", WAYS)
+@pytest.mark.daily("batch-singles", "swept-singles", "stepped-singles", "in both planes-singles")
 def test_effects_alone_and_in_pairs_act_alike_in_each_way_to_run(way, choice):
     assert [*WAYS[way](table_of(choice))] == []
 
@@ -57,6 +56,7 @@ def test_what_acts_in_one_plane_acts_in_the_whole_plane_too():
 
 
 @by_choice
+@pytest.mark.daily("singles")
 def test_every_run_of_the_table_comes_to_its_end(choice):
     table = table_of(choice)
     status = {str(case): table.alone[case].status for case in table.cases}

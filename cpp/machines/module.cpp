@@ -57,12 +57,14 @@ Array states_of(const Array& terms, const Array& start, const Array& times, cons
     Array result({vectors, readings, py::ssize_t{Machine::kStates}});
     const std::span t(times.data(), static_cast<std::size_t>(readings));
     const py::gil_scoped_release release;
+    const double step = usual_step(t);
     for (py::ssize_t k = 0; k < vectors; ++k) {
         typename Machine::Terms own;
         for (std::size_t i = 0; i < Machine::kTerms.size(); ++i) {
             own.*Machine::kTerms[i].value = terms.at(k, i);
         }
-        const auto acting = signals_of<Machine::kInputs>(k, knots, inputs, late, lines);
+        auto acting = signals_of<Machine::kInputs>(k, knots, inputs, late, lines);
+        acting.step = step;
         Machine::write(own, start.data(k), t, acting, result.mutable_data(k));
     }
     return result;

@@ -42,7 +42,19 @@ struct Signals {
     const double* values;           ///< of all inputs, before the first knot and from each on
     std::array<double, N> late;     ///< s
     bool lines = false;
+    double step = 1.0;  ///< s, the usual one between two readings
 };
+
+/// The median step of times, s; 1 for a single one.
+inline double usual_step(std::span<const double> times) {
+    std::vector<double> gaps;
+    for (std::size_t k = 1; k < times.size(); ++k) gaps.push_back(times[k] - times[k - 1]);
+    std::sort(gaps.begin(), gaps.end());
+    const std::size_t half = gaps.size() / 2;
+    return gaps.empty()          ? 1.0
+           : gaps.size() % 2 > 0 ? gaps[half]
+                                 : 0.5 * (gaps[half - 1] + gaps[half]);
+}
 
 /// The path of one system, which has
 ///
@@ -368,14 +380,7 @@ void follow(const System& system, const typename System::State& start,
     constexpr double kMost = 1e5, kMostOfEach = 40.0;
     if (times.empty()) return;
     const std::size_t count = times.size();
-    std::vector<double> gaps;
-    for (std::size_t k = 1; k < count; ++k) gaps.push_back(times[k] - times[k - 1]);
-    std::sort(gaps.begin(), gaps.end());
-    const std::size_t half = gaps.size() / 2;
-    const double usual = gaps.empty()          ? 1.0
-                         : gaps.size() % 2 > 0 ? gaps[half]
-                                               : 0.5 * (gaps[half - 1] + gaps[half]);
-    Path<System> path(system, usual, kMost + kMostOfEach * static_cast<double>(count));
+    Path<System> path(system, signals.step, kMost + kMostOfEach * static_cast<double>(count));
     // The next knot of each input, and the line up to it, from its beginning.
     constexpr std::size_t kInputs = System::kInputs;
     const std::size_t knots = signals.knots.size();

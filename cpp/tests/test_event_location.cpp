@@ -215,6 +215,27 @@ TEST_CASE("events: of several in a step the first, whatever their order and kind
     check_hit(turned.find(), 0, 0.45, crossing);
 }
 
+TEST_CASE("events: of two at one instant the second fires as the next step begins") {
+    const Function first = [](double s) { return 0.5 - s; };
+    const Function second = [](double s) { return 1.0 - 2.0 * s; };
+    Step<2> step({first, second});
+    const EventHit hit = step.find();
+    check_hit(hit, 0, 0.5, first);
+    Step<2> next({[](double s) { return s; }, [&](double s) { return second(hit.s + s); }});
+    next.armed = {false, false};
+    CHECK(next.find().index == 1);
+    CHECK(next.find().s == 0.0);
+}
+
+TEST_CASE("events: a dip between the stages of a function that is flat there is missed") {
+    const auto dip = [](double width) {
+        return single(
+            [=](double s) { return 1.0 - 2.0 * std::exp(-std::pow((s - 0.6) / width, 2)); });
+    };
+    CHECK_FALSE(dip(0.01).find());
+    CHECK(dip(0.3).find());
+}
+
 TEST_CASE("find_root: returns the far side, at any shape, in few evaluations") {
     const std::array<std::pair<Function, double>, 6> cases = {{
         {[](double s) { return 0.3 - s; }, 0.3},

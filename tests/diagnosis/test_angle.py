@@ -64,6 +64,7 @@ def test_repeats_are_one_condition_and_their_scatter_is_the_error():
 
 
 @pytest.mark.parametrize("repeats", [1, 2])
+@pytest.mark.daily("2")
 def test_errors_are_those_of_the_readings_with_and_without_repeats(repeats):
     # Chi-square of the true model is an F law with the degrees of freedom of the errors. Without
     # repeats seven of them are left beside lines, and a curved part takes a share of these.

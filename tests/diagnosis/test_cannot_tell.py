@@ -12,6 +12,7 @@ from untold import KINDS, is_more_told, is_told, made
 
 
 @pytest.mark.parametrize("place", range(len(KINDS)), ids=KINDS)
+@pytest.mark.daily("sum", "hidden", "joint", "cooling", "fall")
 def test_what_data_cannot_tell_is_said_and_nothing_where_they_tell(place):
     way = ("table", "series")[place % 2]
     result, values = made(KINDS[place], False, 0, way)
@@ -20,6 +21,7 @@ def test_what_data_cannot_tell_is_said_and_nothing_where_they_tell(place):
     assert not is_more_told(result)
 
 
+@pytest.mark.nightly
 def test_twins_that_the_data_part_have_the_reading_that_does():
     result, _ = made("twins", True, 0)
     (told,) = (each for each in result.as_dict()["cannot_tell"]["alike"] if each["told"])

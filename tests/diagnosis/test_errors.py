@@ -249,6 +249,7 @@ def test_a_stated_error_stays_and_repeats_tell_the_correlation():
     assert errors.at(2.0 * mean).covariance == pytest.approx(errors.covariance)
 
 
+@pytest.mark.nightly
 def test_errors_that_readings_share_follow_the_fitted_level():
     # All velocities of a block are off by the same share. The mean of the fitted slopes over many
     # data sets is the true one, within three standard errors; weights by what was measured would
@@ -359,6 +360,7 @@ def rates(kind, sets, tails="normal", level=0.05):
 
 
 @pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.daily("constant", "correlated")
 def test_half_of_the_sound_data_are_on_either_side_of_the_median(kind):
     # Twenty data sets: fewer than four on a side come once in 800 times, of all 30 sides here once
     # in 26 draws of the seeds.
@@ -373,20 +375,20 @@ def test_tests_at_five_percent_are_wrong_as_often(kind):
     assert np.all((found >= 0.025) & (found <= 0.08))
 
 
-@pytest.mark.parametrize("sets", [100, pytest.param(400, marks=pytest.mark.nightly)])
-def test_few_readings_are_neither_trusted_nor_distrusted(sets):
+@pytest.mark.nightly
+def test_few_readings_are_neither_trusted_nor_distrusted():
     # Six pairs. Three binomial standard deviations are 3.3 % of 400 data sets.
     random = np.random.default_rng(4)
     condition, level = np.repeat(np.arange(6), 2), LEVEL[::5]
     found = np.zeros(2)
-    for seed in range(sets):
+    for seed in range(400):
         y = (level * (1.0 + 0.03 * random.standard_normal((2, 6)))).T.ravel()
         mean, errors = estimate(y, condition, seed=seed)
         left = (mean - level) / errors.sd
         lack = f_law.sf(np.mean(left**2), 6, errors.dof)
         shift = 2.0 * t_law.sf(abs(np.sum(left)) / math.sqrt(6.0), errors.dof)
         found += np.array([lack, shift]) < 0.05
-    assert np.all(np.abs(found / sets - 0.05) < 0.033 * math.sqrt(400 / sets))
+    assert np.all(np.abs(found / 400 - 0.05) < 0.033)
 
 
 @pytest.mark.nightly

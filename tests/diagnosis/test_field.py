@@ -88,6 +88,7 @@ def test_a_geometry_that_puts_a_wire_on_a_probe_has_no_prediction():
 
 
 @pytest.mark.parametrize("repeats", [1, 2])
+@pytest.mark.daily("2")
 def test_errors_are_those_of_the_readings_with_and_without_repeats(repeats):
     # Chi-square of the true model is an F law with the degrees of freedom of the errors: nearly,
     # as without repeats the fit and the misfit share readings.

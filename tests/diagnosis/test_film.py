@@ -213,6 +213,7 @@ def test_camera_parameters_belong_to_one_film():
     assert both[0] == pytest.approx(table.predict([*NAMES, *own], told)[0], rel=1e-9, abs=1e-15)
 
 
+@pytest.mark.nightly
 def test_predictions_come_row_by_row_for_any_number_of_threads():
     run = tracking_run({}, 500.0, 0)
     names = [*NAMES, "tracking.1.trigger"]

@@ -90,6 +90,7 @@ def test_a_late_input_of_an_own_model_is_a_line_which_is_the_mean_of_a_held_one(
 
 @pytest.mark.parametrize("kind", INPUTS)
 @pytest.mark.parametrize("late", [0.26, 1.4, -0.55])
+@pytest.mark.daily("0.26-held", "-0.55-smooth")
 def test_a_delay_of_a_part_of_a_step_is_told_within_its_error(kind, late):
     # Precise to a thousandth, where a line in place of a held input is 6 to 50 errors off.
     y = readings(kind, late * STEP)

@@ -125,6 +125,7 @@ def test_a_rest_that_an_input_makes_is_no_loss():
     assert [each.code for each in Series(T, y, {"torque": STEPS}).own_notes] == ["lost-sensor"]
 
 
+@pytest.mark.nightly
 def test_a_log_with_many_lost_readings_ends_in_a_data_problem():
     inputs, y = record(joint)
     y[rows_of("every fifth")] = 0.0

@@ -57,6 +57,7 @@ def integral(posed, causes, form, h, width=7.0, points=49):
     # A size that is far from zero, a one-sided one far from and at its end.
     [(WAVE, 0.3, 0.02), (STEP, 0.4, 0.02), (STEP, -0.2, 0.1), (BEND, 0.0, 0.05)],
 )
+@pytest.mark.daily("cause1", "cause3")
 def test_evidence_is_the_integral(cause, extra, within):
     (name,) = (each.name for each in cause.parameters)
     posed = problem(data(extra * shapes(np.linspace(1.0, 3.0, 30))[name]), [cause])

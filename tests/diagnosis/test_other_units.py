@@ -11,6 +11,9 @@ T = STEP * np.arange(150)
 TORQUE = 0.3 * np.sign(np.sin(4.4 * T)) * (0.6 + 0.4 * np.sin(0.8 * T))
 RPM = 30.0 / np.pi
 COLUMNS = {"time": T, "torque": TORQUE}
+# Causes that take long.
+LESS = ["backlash", "compliance", "stribeck", "slow torque", "late torque", "slow sensor",
+        "viscous_asymmetry", "asymmetry", "quadratic", "gravity", "load"]  # fmt: skip
 # What a heading says, and how many of its unit are one SI unit; "" states none.
 BARE = {"time": "", "torque": "", "speed": ""}
 
@@ -36,7 +39,8 @@ def log_of(tmp_path, joint, times, headings, **truth):
 
 
 def found(log, inertia=J, viscous=B):
-    joint = models.joint(inertia=(inertia, 0.04 * inertia), viscous=(viscous, 0.1 * viscous))
+    joint = models.joint(inertia=(inertia, 0.04 * inertia), viscous=(viscous, 0.1 * viscous),
+                         without=LESS)  # fmt: skip
     return diagnose_model(joint, log)
 
 
@@ -54,12 +58,14 @@ JOINT = models.joint(inertia=J, viscous=B)
         ({"torque": 100.0}, 'torque were in N cm: write "torque (N cm)"'),
     ],
 )
+@pytest.mark.daily("times2")
 def test_a_column_without_a_unit_is_told_in_which_it_may_be(times, words, tmp_path):
     verdict = found(log_of(tmp_path, JOINT, times, {})).verdict
     assert (verdict.kind, verdict.reasons[0].code) == ("data-problem", "other-unit")
     assert words in verdict.reasons[0].text
 
 
+@pytest.mark.nightly
 def test_a_constant_in_another_unit_is_told(tmp_path):
     verdict = found(log_of(tmp_path, JOINT, {}, {}), inertia=1e7 * J).verdict
     assert verdict.kind == "data-problem"
@@ -67,6 +73,7 @@ def test_a_constant_in_another_unit_is_told(tmp_path):
 
 
 @pytest.mark.parametrize(("gear", "said"), [(10.0, True), (0.1, True), (6.0, False)])
+@pytest.mark.daily("0.1")
 def test_a_constant_that_is_tenfold_off_is_named(gear, said, tmp_path):
     result = found(log_of(tmp_path, JOINT, {}, {}, inertia=gear * J))
     assert (result.verdict.kind, result.verdict.causes) == ("named", ("inertia",))
@@ -83,8 +90,9 @@ def test_units_that_are_stated_are_not_doubted(tmp_path):
     assert Table({"t": (1e3 * T).astype("m8[ms]"), "x": T}, T, unit="m").unstated == ["x"]
 
 
+@pytest.mark.nightly
 def test_a_model_of_ones_own_and_arrays_are_asked_the_same(tmp_path):
-    joint = models.joint(inertia=(J, 0.04 * J), viscous=(B, 0.1 * B))
+    joint = models.joint(inertia=(J, 0.04 * J), viscous=(B, 0.1 * B), without=LESS)
     log = Series(T, RPM * speeds(), {"torque": TORQUE}, RPM * 0.02)
     uncertain, causes = joint.terms(log)
     verdict = diagnose_model(lambda table, p: joint(table, p), log, uncertain, causes).verdict

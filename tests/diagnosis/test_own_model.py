@@ -137,6 +137,7 @@ def test_repeats_and_single_readings_give_one_row_a_condition():
 
 
 @pytest.mark.parametrize("stated", [0.75, 0.5])
+@pytest.mark.daily("0.5")
 def test_a_constant_that_is_stated_far_off_is_named(stated):
     # 1.05 is 30 and 55 standard deviations from what is stated.
     slope = Parameter("slope", Prior("normal", stated, 0.01))

@@ -25,6 +25,13 @@ NOMINAL = Scenario(drive=Drive(base=0.5e-3, pulses=8), uncertain=PRIORS)
 ANISOTROPY = {"effects.friction_anisotropy.fraction": 0.2}
 
 
+@pytest.fixture(scope="module", autouse=True)
+def _few():
+    with pytest.MonkeyPatch.context() as patch:
+        few_causes(patch, ("friction_anisotropy", "surface_tilt", "stribeck_friction"))
+        yield
+
+
 @pytest.fixture(scope="module")
 def planned():
     return plan(NOMINAL, 8, noise=0.02)
@@ -95,6 +102,7 @@ def test_what_a_plan_cannot_do_it_says(planned):
         ({"mean": 0.15, "sd": 1.0}, ["contact.kinetic_friction"]),
     ],
 )
+@pytest.mark.daily("friction2")
 def test_a_change_that_cannot_be_is_smaller_or_reversed_or_left_out(friction, left_out):
     made = plan(NOMINAL.with_uncertain({"contact.kinetic_friction": friction}), 2)
     assert made.left_out == left_out
@@ -127,8 +135,7 @@ def test_a_plan_that_is_filled_in_is_a_measurement(filled_in, tmp_path):
 
 
 @pytest.mark.nightly
-def test_a_plan_that_is_filled_in_is_diagnosed(filled_in, monkeypatch):
-    few_causes(monkeypatch, ("friction_anisotropy", "surface_tilt", "stribeck_friction"))
+def test_a_plan_that_is_filled_in_is_diagnosed(filled_in):
     verdict = diagnose(filled_in, threads=1).verdict
     assert (verdict.kind, verdict.causes) == ("named", ("friction_anisotropy",))
 

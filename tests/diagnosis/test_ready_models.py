@@ -522,6 +522,7 @@ def of_spring(acts):
     "case", [of_joint, of_axis, of_pendulum, of_oscillator, of_heater, of_room, of_backlash,
              of_spring, of_servo, of_hunting]
 )  # fmt: skip
+@pytest.mark.daily("acts0", "of_joint", "of_pendulum", "of_spring", "of_room")
 def test_readings_are_those_of_another_integrator(case, acts):
     model, inputs, expected = case(acts)
     start = {"start_position": 0.1, "start_speed": 0.2}
@@ -654,6 +655,7 @@ def test_a_hidden_effect_is_named_with_its_size(hidden):
      ("joint", 1.0, 0.1, 1, "no-noise"), ("thermal", 2.0, 0.0, 1, "no-noise"),
      ("thermal", 0.1, 0.0, 2, "no-noise")],
 )  # fmt: skip
+@pytest.mark.daily("zero", "1.0", "2.0")
 def test_a_record_at_rest_is_told_in_a_sentence(name, reading, acts, count, code):
     # What never changes has no error that a fit could tell, and is like a model in many units.
     model = FACTORIES[name](**LEAST[name])

@@ -57,6 +57,7 @@ def results(rough, none):
 @pytest.mark.parametrize(
     "kind", ["named", "dominant", "pair", "ambiguous", "unexplained", "none", "data-problem"]
 )
+@pytest.mark.daily("named", "ambiguous", "none")
 def test_each_verdict_has_a_page_of_its_numbers(results, kind, tmp_path):
     result = results[kind]
     numbers = numbers_of(result)
@@ -128,6 +129,7 @@ def test_a_sure_cause_that_takes_too_little_for_a_claim_acts_beside_something(ro
     assert "The nearest is" not in text
 
 
+@pytest.mark.nightly
 def test_the_page_has_no_number_that_the_dictionary_lacks(results, rough, none):
     """A page of report.json as it is read again, and one in which a number was changed."""
     for result in (rough, none, results["data-problem"]):
@@ -198,6 +200,7 @@ def test_odds_are_those_of_the_ranking(rough):
     assert amounts.percent(numbers["leader"]["in_all"]) in rough.summary().split("\n")[1]
 
 
+@pytest.mark.nightly
 def test_tables_of_one_name_have_errors_of_their_own():
     """Those that the tables have while they are called differently."""
     wave = 0.8 * np.sin(5.0 * np.linspace(1.0, 3.0, 30))
@@ -297,6 +300,7 @@ def test_nothing_is_written_where_one_file_cannot_be(rough, tmp_path):
     assert [each.name for each in tmp_path.iterdir()] == ["report.json"]
 
 
+@pytest.mark.nightly
 def test_a_measurement_has_an_extended_scenario(tmp_path):
     measured = made_velocities.measurement(made_velocities.trials())
     result = Diagnosis(run(posed_by(measured), 0), measured)

@@ -56,6 +56,7 @@ def crowd(count):
 
 
 @pytest.mark.parametrize("hidden", [{3: 0.5}, {2: 0.8, 9: -0.6}], ids=["single", "pair"])
+@pytest.mark.daily("single")
 def test_the_truth_is_found_among_many_causes_and_pairs(hidden):
     causes, columns, model = crowd(14)  # 14 single ones and 91 pairs
     table = data(sum(size * columns[k] for k, size in hidden.items()), sd=0.05)
@@ -178,6 +179,7 @@ def test_a_cause_is_looked_at_from_three_ends_and_the_stated_constants_at_most(m
 
 @pytest.mark.parametrize("size", [0.02, 0.05])
 @pytest.mark.parametrize("error", [0.1, 0.15, 0.25, 0.4])
+@pytest.mark.daily("0.1-0.02", "0.4-0.05")
 def test_a_scale_is_found_beside_constants_that_almost_undo_it(error, size):
     """Constants are as stated, and could take the scale's place at many of their errors.
 
@@ -256,6 +258,7 @@ def test_a_pair_is_found_however_precise_the_readings():
 
 
 @pytest.mark.parametrize("far", [4.4, 6.1])
+@pytest.mark.daily("4.4")
 def test_a_constant_that_is_far_off_is_found_behind_other_minima(far):
     # sin(w k) is near sin(w far) at other k too. The model without a cause follows the constant, so
     # that held-out readings give no proof of it.
@@ -343,6 +346,7 @@ def test_laws_are_looked_for_where_no_cause_explains_the_data(extra, kind, cause
     assert ("comparing models" in dict(map(reversed, told))) == (kind == "named")
 
 
+@pytest.mark.nightly
 def test_a_limit_that_binds_far_is_found_though_the_way_there_leads_uphill():
     # A mass under a force that is cut off: a limit that hardly binds fits worse than none.
     step, top = 0.02, 2.0

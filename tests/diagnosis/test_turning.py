@@ -74,6 +74,7 @@ TURNING = {
 
 
 @pytest.mark.parametrize("what", TURNING)
+@pytest.mark.daily("a period", "a pulse of an input")
 def test_a_search_finds_what_turns_the_predictions(what):
     u, cause, truth = TURNING[what]
     sound = readings(u, (cause, OFFSET), {"gain": 1.0, "wave.period": 1.0, **truth})
@@ -135,6 +136,7 @@ def test_a_cause_may_state_the_fineness_of_one_of_two_amplitudes():
 
 @pytest.mark.parametrize("cause", ["lag", "delay"])
 @pytest.mark.parametrize("before", [0.0, 1.0])
+@pytest.mark.daily("0.0-delay")
 def test_an_input_before_its_record_is_free(cause, before):
     make = {"lag": partial(instruments.lag, 5.0), "delay": partial(instruments.delay, size=5.0)}
     listed = [make[kind](input="u", name=kind) for kind in make]

@@ -1,5 +1,6 @@
 """Verdicts on models of which the answer is known."""
 
+import functools
 from dataclasses import replace
 
 import numpy as np
@@ -40,6 +41,7 @@ def test_nothing_hidden_is_none():
 
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize(("name", "size"), [("wave", 0.4), ("step", 0.5), ("bend", 0.9)])
+@pytest.mark.daily("0")
 def test_one_cause_is_named_with_its_size(name, size, seed):
     result = found(data(extra(**{name: size}), seed=seed), seed=seed)
     assert (result.verdict.kind, result.verdict.causes) == ("named", (name,))
@@ -53,6 +55,7 @@ def test_one_cause_is_named_with_its_size(name, size, seed):
     assert result.verdict.gain.certain
 
 
+@pytest.mark.nightly
 def test_a_large_cause_beside_a_model_error_is_dominant():
     error = 0.12 * np.random.default_rng(5).standard_normal(30)
     result = found(data(extra(wave=1.5) + error, sd=0.03))
@@ -110,6 +113,7 @@ def test_shuffled_readings_have_no_name():
     assert found(Table({"x": X}, table.y[order], sd=0.1)).verdict.kind not in ("named", "pair")
 
 
+@pytest.mark.nightly
 def test_what_is_left_beside_a_dominant_cause_must_not_follow_the_settings():
     """The same size of error, as scatter and as a wave over the one setting."""
     x = np.linspace(0.0, 1.0, 40)
@@ -128,6 +132,11 @@ def test_what_is_left_beside_a_dominant_cause_must_not_follow_the_settings():
     assert kinds["wave"] == ("unexplained", ["pattern-left"])
 
 
+@functools.cache
+def one_wave():
+    return found(data(extra(wave=0.4)))
+
+
 @pytest.mark.parametrize(
     ("share", "intervals", "against"),
     [
@@ -140,11 +149,12 @@ def test_what_is_left_beside_a_dominant_cause_must_not_follow_the_settings():
     ],
 )
 def test_causes_that_take_nearly_all_only_must_not_predict_worse(share, intervals, against):
-    (leader,) = (fit for fit in found(data(extra(wave=0.4))).models.leaders(1))
+    (leader,) = one_wave().models.leaders(1)
     gains = [each and Gain(2.0, 1.0, each) for each in intervals]
     assert [note.code for note in _takes_little(leader, share, gains)] == against
 
 
+@pytest.mark.nightly
 def test_a_set_asks_what_a_claim_asks():
     """Two near twins beside scatter of a fifth of their effect, of thrice, and with a size at the
     end of its range.
@@ -195,6 +205,7 @@ def test_a_pair_without_which_nothing_explains_the_data_needs_no_other_proof():
 
 
 @pytest.mark.parametrize("size", [0.5, 0.55], ids=["one is sure", "both are sure"])
+@pytest.mark.daily("both are sure")
 def test_two_causes_that_nothing_held_out_proves_are_left_open(size):
     """Each moves one reading by five errors or more, so that no other part tells its size."""
 
@@ -243,6 +254,7 @@ def test_a_constant_other_than_stated_is_named_by_the_test():
     assert (result.verdict.kind, result.verdict.causes) == ("named", ("slope",))
 
 
+@pytest.mark.nightly
 def test_errors_of_the_fit_of_all_causes_prove_no_name():
     # A wave that nobody lists counts as noise; the step beside it hardly lowers what is left.
     x = np.linspace(1.0, 3.0, 60)
@@ -265,6 +277,7 @@ def test_what_changes_slowly_beside_a_dominant_cause_is_said():
 
 
 @pytest.mark.parametrize("size", [0.05, 0.2])
+@pytest.mark.daily("0.2")
 def test_twins_stay_open_beside_what_is_as_large_as_they_differ_by(size):
     """A wave and the same 0.25 later, of an rms difference of 0.14, beside slow waves."""
     x = np.linspace(1.0, 3.0, 200)
@@ -308,6 +321,7 @@ def test_only_runs_and_blocks_have_no_neighbours_in_other_parts():
 
 
 @pytest.mark.parametrize("sd", [0.002, 0.0005])
+@pytest.mark.daily("0.002")
 def test_a_model_that_computes_nothing_explains_nothing(sd):
     """Readings so precise that every model misses them by more errors than a lost row counts."""
     t = np.linspace(0.0, 10.0, 200)

@@ -38,6 +38,7 @@ def test_block_held_inside_the_friction_cone_does_not_creep():
     assert np.all(run.theta == 0.0)
 
 
+@pytest.mark.nightly
 def test_block_slides_down_a_steep_tilt_as_newton_says():
     angle, drag = 0.6, DRAG_DEFAULTS["linear"]
     tilted = {"surface_tilt": {"angle": angle}}
@@ -59,6 +60,7 @@ def test_block_slides_down_a_steep_tilt_as_newton_says():
         ({"drive": {}, "contact": {"mu": 0.2}}, "mu"),
     ],
 )
+@pytest.mark.nightly
 def test_words_that_are_not_known_are_refused(sections, word):
     with pytest.raises(ValueError, match=word):
         simulate_reference(**sections)

@@ -3,7 +3,6 @@
 Each row: a name, what is done with a folder, the type of the error, and words of its one line.
 """
 
-import functools
 import math
 
 import gymnasium
@@ -11,7 +10,7 @@ import numpy as np
 
 from stickslip import Drive, Scenario, ScenarioError, optimise, simulate
 from stickslip._util.prior import Prior
-from stickslip.control import Camera, Film, Path, Placer, Placing, follow, heading_voltages
+from stickslip.control import Camera, Film, Path, follow, heading_voltages
 from stickslip.control.environments import RobotEnv, RobotVectorEnv
 from stickslip.design.space import drive_waveform
 
@@ -26,11 +25,6 @@ def design(scenario=START, **changes):
     """A search that is refused before it begins."""
     given = {"maximise": "mean_velocity", "free": FREE, "limits": VOLTS, **changes}
     return lambda _: optimise(scenario, **given)
-
-
-@functools.cache
-def placer():
-    return Placer(START)
 
 
 def env(**options):
@@ -117,23 +111,6 @@ ROWS = [
     ("clamp", lambda _: heading_voltages(0.0, 26.0, None), "clamp = None"),
     ("shapes", lambda _: heading_voltages(np.zeros(3), np.zeros(2), 0.0), "(3,), (2,), ()"),
     # controllers of a scenario
-    ("placer's scenario", lambda _: Placer("x.toml"), 'scenario = "x.toml"'),
-    ("placer's camera", lambda _: Placer(START, camera=30), "camera = 30"),
-    ("placer's tolerance", lambda _: Placer(START, tolerance=0), "tolerance = 0"),
-    ("placer's draws", lambda _: Placer(UNCERTAIN, draws=0), "draws = 0"),
-    *(
-        (f"placer's goal {goal}", lambda _, goal=goal: Placing(placer(), goal, 2), words)
-        for goal, words in (
-            (math.nan, "goal = nan: allowed is finite numbers of m"),
-            (math.inf, "goal = inf"),
-            (1.0, "goal: (1, 0) m lies beyond the coils' field"),
-            ([1e-3, -2.0], "goal: (-2, 0) m lies beyond"),
-            ("far", 'goal = "far"'),
-            (None, "goal = None"),
-            ([1e-3] * 3, "goal of shape (3,): allowed is one for all, or one for each of 2"),
-            (np.ma.array([1e-3, 1e-3], mask=[False, True]), "goal: row 1 = nan"),
-        )
-    ),
     ("follower's path", lambda _: follow(START, [(0, 0), (1, 0)]), "path = [(0, 0), (1, 0)]"),
     ("path in mm", lambda _: follow(START, Path([(0, 0), (2, 0)])), "path: (2, 0) m lies beyond"),
     ("follower's time", lambda _: follow(START, Path([(0, 0), (1e-3, 0)]), limit=0), "limit = 0"),

@@ -90,10 +90,7 @@ bool Run::next_segment() {
     if (!is_stepped) {
         const double time = player_.voltages().start;
         window_observer_.watch_window(time);
-        if (stop_ && stop_->quantity == StopCondition::Quantity::time) {
-            const double slack = boundary_slack(player_.duration());
-            result_.stopped = distance(time + slack, player_.body()) <= 0.0;
-        }
+        if (player_.has_begun()) result_.stopped = stops_by(time);
         if (result_.stopped) return false;
     }
     player_.begin_segment();
@@ -109,6 +106,7 @@ bool Run::next_segment() {
 void Run::begin() {
     player_.begin();
     window_observer_.begin();
+    result_.stopped = stops_by(player_.time());
     after_event();
 }
 
@@ -168,15 +166,21 @@ void Run::play_phase() {
 }
 
 void Run::finish() {
-    if (result_.stopped) {
-        window_observer_.end_segment(player_.tau());
-        window_observer_.close(player_.time());
-        return;
-    }
-    // The grid's last sample may lie beyond the end by rounding.
-    sample_until(player_.duration() * (1.0 + 1e-12), player_.absolute(0.0),
-                 [&](double) { return player_.sample(player_.segment().duration); });
-    window_observer_.close(player_.duration());
+    const double end = result_.stopped ? player_.time() : player_.duration();
+    // The grid's last sample may lie beyond the end by rounding. Where the run ends as it begins,
+    // the first is left.
+    sample_until(end * (1.0 + 1e-12), player_.absolute(0.0),
+                 [&](double) { return player_.sample(player_.tau()); });
+    if (result_.stopped) window_observer_.end_segment(player_.tau());
+    window_observer_.close(end);
+    result_.stopped = result_.stopped || stops_by(end);
+}
+
+// Whether the run is to stop where a segment begins or its drive ends, at `time`: within rounding,
+// as all that has boundaries of segments for ends.
+bool Run::stops_by(double time) const {
+    return stop_ && stop_->quantity == StopCondition::Quantity::time &&
+           distance(time + boundary_slack(player_.duration()), player_.body()) <= 0.0;
 }
 
 // Samples of the uniform grid in (…, limit] s of absolute time; `sample_at` in the segment.

@@ -119,6 +119,7 @@ private:
     double distance(double t, const BodyState& body) const {
         return stop_->distance(t, player_.sign(), player_.in_ground(body, t));
     }
+    bool stops_by(double time) const;
     // The fraction, up to s, of a step at which the condition is met, or kGoesOn.
     double find_stop(double start, double width, double s,
                      FunctionRef<BodyState(double tau, double part)> body_of) const;

@@ -39,22 +39,6 @@ constexpr std::array<Parameter, kValueCount> kRows = {{
 }};
 // clang-format on
 
-// Of most coils: what the others differ from. Of the first where no value is that of most.
-double usual(const Scenario& s, Value value) {
-    double found = s.coils[0].*value;
-    std::ptrdiff_t most = 0;
-    for (const CoilParameters& each : s.coils) {
-        const std::ptrdiff_t alike =
-            std::count_if(s.coils.begin(), s.coils.end(),
-                          [&](const CoilParameters& c) { return c.*value == each.*value; });
-        if (alike > most) {
-            most = alike;
-            found = each.*value;
-        }
-    }
-    return found;
-}
-
 std::string key_of_one(std::size_t coil, std::size_t value) {
     const std::string of_all = kRows[value].key;
     return "coil." + std::string(name(static_cast<Coil>(coil))) + of_all.substr(of_all.find('.'));
@@ -64,8 +48,9 @@ std::string key_of_one(std::size_t coil, std::size_t value) {
 template <std::size_t V>
 Parameter row_of_all() {
     Parameter row = kRows[V];
-    row.get = [](const Scenario& s) { return usual(s, kValues[V]); };
+    row.get = [](const Scenario& s) { return s.coil.*kValues[V]; };
     row.set = [](Scenario& s, double value) {
+        s.coil.*kValues[V] = value;
         for (CoilParameters& each : s.coils) each.*kValues[V] = value;
     };
     return row;
@@ -132,7 +117,7 @@ void check_coils(const Scenario& scenario) {
             const double value = scenario.coils[k].*kValues[v];
             if (value == allowed) continue;
             const std::string key =
-                usual(scenario, kValues[v]) == value ? kRows[v].key : key_of_one(k, v);
+                scenario.coil.*kValues[v] == value ? kRows[v].key : key_of_one(k, v);
             throw std::invalid_argument(key + " = " + digits(value) +
                                         ": allowed beside coil.map, which has the field of the "
                                         "coils, is " +

@@ -359,8 +359,7 @@ std::vector<Section> make_sections() {
         {"coil",
          "The five coils, Table I.\n"
          "\n"
-         "Where coils differ, `resistance` and its like are those of most coils (of xp, if all\n"
-         "differ)."},
+         "Where coils differ, `resistance` and its like are those of coils without own values."},
         {"robot",
          "The magnetic body, Table II.\n"
          "\n"

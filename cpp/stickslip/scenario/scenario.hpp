@@ -115,6 +115,7 @@ struct RecordSettings {
 struct Scenario {
     Drive drive;
     VoltageProgram program;               ///< V, world frame; used by DriveKind::program
+    CoilParameters coil;                  ///< of all coils but for their own values
     PerCoilOf<CoilParameters> coils;      ///< world frame
     std::shared_ptr<const FieldMap> map;  ///< world frame; nullptr: the coils' own field
     RobotParameters robot;

@@ -104,10 +104,10 @@ class CsvTable:
     """The header of a CSV file and, by `blocks`, the rows below it.
 
     Commas, semicolons or tabs separate the cells; a first line such as ``sep=;`` says which. The
-    header is the first of some fifty lines that names one of `columns`; where none does, the first
-    one that is no comment. If that has a number, the last comment above it with as many cells, a
-    name and no number is the header, as `numpy.savetxt` writes it. A row of units below the names
-    belongs to them.
+    header is the first of some fifty lines that names one of `columns`; where none does, the last
+    one above rows of numbers that has as many cells, else the first one that is no comment. If that
+    has a number, the last comment above it with as many cells, a name and no number is the header,
+    as `numpy.savetxt` writes it. A row of units below the names belongs to them.
 
     Parameters
     ----------
@@ -179,8 +179,8 @@ class CsvTable:
         columns: Collection[str],
         separator: str | None,
     ) -> tuple[tuple[int, str], Iterator[tuple[int, str]]]:
-        """The first line, or the one that names a column below others that name none, as loggers
-        write them; and the lines below it."""
+        """The first line, or the one of names below others that name no column, as loggers write
+        them; and the lines below it."""
         known = {name.casefold() for name in columns}
         near = [first, *itertools.islice(lines, _PREAMBLE)]
         for k, (_, line) in enumerate(near):
@@ -188,10 +188,30 @@ class CsvTable:
             cells = [] if line.lstrip().startswith("#") else self._cells(line)
             named = any(split_unit(cell)[0].casefold() in known for cell in cells[:MOST_COLUMNS])
             if named and (k == 0 or (len(cells) > 1 and not any(map(_is_number, cells)))):
-                self.above = sum(bool(text.strip()) for _, text in near[:k])
-                return near[k], itertools.chain(near[k + 1 :], lines)
+                return self._from(near, k, lines)
+        self.separator = separator or _separator_of(near[-1][1])
+        rows = [(k, self._cells(line)) for k, (_, line) in enumerate(near) if line.strip()]
+        width = len(rows[-1][1])
+        above = itertools.dropwhile(lambda row: any(map(_is_number, row[1])), reversed(rows))
+        names = [(k, cells) for k, cells in itertools.islice(above, 2)
+                 if len(cells) == width > 1]  # fmt: skip
+        if names and names[0][0] != rows[-1][0] and not any(map(_is_number, names[0][1])):
+            units = len(names) > 1 and any(map(is_unit, self._bare_units(names[0][1])))
+            return self._from(near, names[units][0], lines)
         self.separator = separator or _separator_of(first[1])
         return first, itertools.chain(near[1:], lines)
+
+    def _from(
+        self, near: list[tuple[int, str]], k: int, lines: Iterator[tuple[int, str]]
+    ) -> tuple[tuple[int, str], Iterator[tuple[int, str]]]:
+        """A line below others, and the lines below it."""
+        self.above = sum(bool(text.strip()) for _, text in near[:k])
+        return near[k], itertools.chain(near[k + 1 :], lines)
+
+    @staticmethod
+    def _bare_units(cells: list[str]) -> list[str]:
+        """Cells without brackets, and without what Campbell's loggers write of time and number."""
+        return ["" if cell in ("TS", "RN") else cell.strip("()[] ") for cell in cells]
 
     def _take_header(
         self,
@@ -217,14 +237,17 @@ class CsvTable:
         self._first = below = next(self._rows, None)
         if below is None:
             return
-        units = [cell.strip("()[] ") for cell in below[1]]
+        units = self._bare_units(below[1])
         if any(map(is_unit, units)) and not any(each != "1" and _is_number(each) for each in units):
             pairs = itertools.zip_longest(self.header, units, fillvalue="")
             self.header = [
                 f"{name} ({unit})" if unit and split_unit(name)[1] is None else name
                 for name, unit in pairs
             ]
-            self._first = None
+            # Below them such a logger says how each was made: Smp, Avg.
+            self._first = next(self._rows, None) if "TS" in below[1] else None
+            if self._first and not any(map(_is_number, self._first[1])):
+                self._first = None
 
     def blocks(self) -> Iterator[Block]:
         """All rows that have a cell.

@@ -11,19 +11,10 @@ from stickslip._util.messages import shown
 from stickslip.cli.options import JSON, key_names
 from stickslip.cli.output import print_json
 from stickslip.errors import ScenarioError
+from stickslip.scenario.held import OBJECTS
 from stickslip.scenario.keys import LAWS, Key, key_hint, known_keys
 
-FILES = {
-    "drive": 'file = "voltages.csv": voltages, with mode = "program" and of the others direction '
-    "alone; columns t (s), xp, xm, yp, ym, clamp (V), straight lines between the rows, a repeated "
-    "t is a jump; relative to the scenario",
-    "coil": 'map = "map.csv": the measured field per ampere, in place of that of side, distance '
-    "and turns; columns x, y, z (m), coil, Bx, By, Bz (T/A); relative to the scenario",
-    "shake": 'file = "accelerations.csv": those of the surface in place of sines, over a period; '
-    "columns t (s), ax, az (m/s^2); relative to the scenario",
-    "inner": 'file = "forces.csv": those on the mass in place of sines and pulses, over a period; '
-    "columns t (s), force (N); relative to the scenario",
-}
+FILES = {held.section: f"{held.about}; relative to the scenario" for held in OBJECTS.values()}
 """Keys that name a file, by their section."""
 
 

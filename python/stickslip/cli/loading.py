@@ -9,20 +9,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import stickslip
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.keys import (
-    ACCELERATIONS,
-    COIL_MAP,
-    FILE,
-    FORCES,
-    INNER_FILE,
-    PATHS,
-    PROGRAM,
-    SHAKE_FILE,
-)
-from stickslip.scenario.scenario import Scenario, with_uncertain_of
-from stickslip.scenario.toml_file import named_files
+from stickslip.scenario.held import PATHS, with_files
+from stickslip.scenario.keys import FILE, PROGRAM
+from stickslip.scenario.scenario import Scenario, loaded, with_uncertain_of
 
 
 def load_with(path: Path, set: Mapping[str, Any]) -> tuple[Scenario, list[Path]]:
@@ -30,22 +20,16 @@ def load_with(path: Path, set: Mapping[str, Any]) -> tuple[Scenario, list[Path]]
 
     Voltages replace the whole drive but its direction.
     """
-    scenario = stickslip.load(path)
+    scenario, files = loaded(path)
     changes = dict(set)
     with prefixed("--set"):
         if FILE in changes:
-            changes[PROGRAM] = stickslip.Waveform.from_csv(changes.pop(FILE))
             changes.setdefault("drive.mode", "program")
         elif changes.get("drive.mode", "program") != "program":
             changes[PROGRAM] = None
-        if COIL_MAP in changes:
-            changes[COIL_MAP] = stickslip.FieldMap.from_file(changes[COIL_MAP])
-        if SHAKE_FILE in changes:
-            changes[ACCELERATIONS] = stickslip.Accelerations.from_csv(changes.pop(SHAKE_FILE))
-        if INNER_FILE in changes:
-            changes[FORCES] = stickslip.Forces.from_csv(changes.pop(INNER_FILE))
+        files += with_files(changes, Path())
         scenario = scenario.replace(changes)
-    return scenario, [path, *named_files(path).values(), *(set[key] for key in PATHS if key in set)]
+    return scenario, files
 
 
 def load_uncertain(

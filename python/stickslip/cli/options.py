@@ -12,7 +12,8 @@ import click
 from click.shell_completion import CompletionItem
 
 from stickslip._util.messages import MOST_VALUES, shown
-from stickslip.scenario.keys import PATHS, Value, full_name, known_keys
+from stickslip.scenario.held import PATHS
+from stickslip.scenario.keys import Value, full_name, known_keys
 
 _F = TypeVar("_F", bound=Callable[..., Any])
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 from stickslip.control.camera import Camera, Film
 from stickslip.control.follower import Followed, Follower, follow
 from stickslip.control.path import Path
-from stickslip.control.placer import Placed, Placer, Placing
 from stickslip.control.steering import field_voltages, heading_voltages
 
 __all__ = [
@@ -17,9 +16,6 @@ __all__ = [
     "Followed",
     "Follower",
     "Path",
-    "Placed",
-    "Placer",
-    "Placing",
     "field_voltages",
     "follow",
     "heading_voltages",

@@ -19,7 +19,7 @@ from stickslip.design.search import search
 from stickslip.design.space import WAY, Space, Values, made_space
 from stickslip.errors import ScenarioError
 from stickslip.scenario.changes import Changes
-from stickslip.scenario.keys import RECORD_RATE, find_key
+from stickslip.scenario.keys import find_key
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.quantities import ASKED
 from stickslip.simulation.seen_from_drive import FROM_AXES, VELOCITIES
@@ -161,7 +161,7 @@ def _holds_mass(scenario: Scenario, free: Mapping[str, Any]) -> bool:
 
 def _drawn(scenario: Scenario, count: int, seeds: list[int]) -> list[Scenario]:
     """Scenarios without a record; one alone where nothing is uncertain."""
-    quiet = scenario.replace({RECORD_RATE: "none"})
+    quiet = scenario.without_record()
     if quiet.uncertain is None:
         return [quiet]
     return quiet.draws(count, seed=int(np.random.SeedSequence(seeds).generate_state(1)[0]))
@@ -294,7 +294,7 @@ class _Design:
         return Optimum(
             scenario=scenario,
             start=self._space.start,
-            run=simulate(scenario.replace({RECORD_RATE: "none", **asked})),
+            run=simulate(scenario.without_record().replace(asked)),
             table=table,
             fresh=pd.DataFrame({name: scores[:, 0] for name, scores in fresh.items()}),
             search=self.best.drop(["values", "sawtooth"], errors="ignore"),

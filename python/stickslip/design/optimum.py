@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Callable
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -17,14 +16,14 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from stickslip._util import palette, units
-from stickslip._util.files import text_writer, write_together
+from stickslip._util.files import write_together
 from stickslip._util.picture import RC, Picture, legend_above
 from stickslip._util.text import OneLine
 from stickslip.design.goal import DRAGGED, Goal
 from stickslip.design.space import drive_waveform
 from stickslip.scenario.keys import COIL_NAMES, RECORD_RATE, Value, find_key
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.toml_file import held_writers, scenario_text
+from stickslip.scenario.toml_file import files_of, scenario_writers
 from stickslip.simulation.note import shown_lines
 from stickslip.simulation.run import Run
 from stickslip.simulation.seen_from_drive import FROM_AXES
@@ -35,9 +34,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure, SubFigure
 
 BEST, FIGURE = "best.toml", "best.png"
-HELD = "best.csv", "best.map.json", "best.accelerations.csv", "best.forces.csv"
-FILES = (BEST, *HELD, FIGURE)
-"""Names of the files of `Optimum.save_report`; voltages and map are there where there are any."""
+VOLTAGES = "csv"
+"""Ending of the file of its voltages, which is their result, after ``best.``."""
 
 COMPARED = ("start", "search", "sawtooth", "best")
 """The drives that are judged on fresh draws."""
@@ -261,8 +259,8 @@ class Optimum(OneLine):
     @property
     def files(self) -> tuple[str, ...]:
         """Names of the files that `save_report` writes."""
-        held = held_writers(self.scenario.content, [Path(name) for name in HELD])
-        return tuple(name for name in FILES if name not in HELD or Path(name) in held)
+        held = files_of(self.scenario.content, Path(BEST), VOLTAGES)
+        return (BEST, *held.values(), FIGURE)
 
     def save_report(self, out: str | PathLike[str]) -> None:
         """Write the best drive and its figure into the folder `out`, which is made: all or none.
@@ -273,12 +271,9 @@ class Optimum(OneLine):
         that one cannot be written.
         """
         folder = Path(out)
-        text = scenario_text(self.scenario.content, *HELD)
-        writers: dict[Path, Callable[[Path], object]] = {
-            folder / BEST: text_writer((f"# {self.beyond}\n" if self.beyond else "") + text),
-            folder / FIGURE: functools.partial(self.figure().savefig, dpi=150),
-            **held_writers(self.scenario.content, [folder / name for name in HELD]),
-        }
+        comments = [self.beyond] if self.beyond else []
+        writers = scenario_writers(self.scenario.content, folder / BEST, comments, VOLTAGES)
+        writers[folder / FIGURE] = functools.partial(self.figure().savefig, dpi=150)
         folder.mkdir(parents=True, exist_ok=True)
         write_together(writers)
 

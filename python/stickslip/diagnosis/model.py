@@ -47,6 +47,7 @@ _MEANT = {
 }
 """What is meant by errors of NumPy in a user's model, by a part of their text."""
 
+_AT_ONCE = 1 << 19  # numbers of a block of predictions: 4 MiB; chosen
 _MOST_LOST = 0.1  # part of the rows that the model may not compute; chosen
 _FEWEST_VALUES = 8  # different readings of a copy; chosen: a coarse meter may read fewer twice
 _SAME = 1e-9  # part of the readings by which two equal calls may differ; chosen: rounding
@@ -233,7 +234,17 @@ class ForwardModel(OneLine):
         return bool(self.laws) or not _takes(self.predict, 2)
 
     def of_tables(self, tables: Sequence[Table], names: Sequence[str], values: Array) -> Array:
-        """Readings of the conditions of some tables, (vectors, n)."""
+        """Readings of the conditions of some tables, (vectors, n).
+
+        Many vectors are predicted in blocks, in an order in which a block shares predictions.
+        """
+        at_once = max(_AT_ONCE // max(table.predicted for table in tables), 1)
+        if len(values) > at_once:
+            result = np.empty((len(values), sum(len(table.mean) for table in tables)))
+            order = np.lexsort(values.T[::-1])
+            for rows in np.split(order, range(at_once, len(order), at_once)):
+                result[rows] = self.of_tables(tables, names, values[rows])
+            return result
         of = [table.of_conditions(lambda whole: self(whole, names, values)) for table in tables]
         return np.hstack(of)
 

@@ -192,6 +192,10 @@ class FieldMap:
         content = dataclasses.asdict(self)
         return json.dumps({**content, "crc32": _checksum(content)})
 
+    def write(self, path: Path) -> None:
+        """Write the JSON file that `from_file` reads."""
+        path.write_text(self.to_json(), encoding="utf-8")
+
     @classmethod
     def from_json(cls, text: str | bytes) -> FieldMap:
         """The map of a text from `to_json`; a ScenarioError for another text."""

@@ -22,6 +22,7 @@ from stickslip._util.units import (
     ended,
     is_of,
     is_quotient,
+    is_unit,
     same_unit,
     split_unit,
     to_si,
@@ -121,7 +122,7 @@ class _Log(Recipe):
         refuse_twice(headings)
         refuse_twice([name for name in (split_unit(text)[0] for text in headings)
                       if name in self.entries])  # fmt: skip
-        found = self.found([_Heading(text, *split_unit(text)) for text in headings])
+        found = self.found([_Heading.of(text) for text in headings])
         # Another column may have the name of one that stated its unit behind it.
         made = [Match(text, f"{text} (beside)" if text in found else text, known=False)
                 for text in headings]  # fmt: skip
@@ -205,12 +206,12 @@ class _Log(Recipe):
         """On columns that were told by their unit, or are missing, or are not used."""
         notes = []
         for name, column in table.known.items():
-            heading = _Heading(column.what.heading, *split_unit(column.what.heading))
+            heading = _Heading.of(column.what.heading)
             named = {plain(name), *self.entries[name].also}
             if named.isdisjoint({plain(heading.name), plain(heading.bare)}):
                 text = f"{shown(heading.text)} is taken for {name}."
                 notes.append(Note("column-by-unit", text))
-        others = [_Heading(text, *split_unit(text)) for text in table.others]
+        others = [_Heading.of(text) for text in table.others]
         first = next(iter(self.wanted.inputs), None)
         for name, units in self.wanted.inputs.items():
             idle = name == first and not table.known.keys() & {*self.wanted.drives}
@@ -237,6 +238,13 @@ class _Heading(NamedTuple):
     name: str
     unit: str | None
 
+    @staticmethod
+    def of(text: str) -> _Heading:
+        """Of a text; ``_time`` and ``%time`` are a time, and ``rpm`` alone is a unit."""
+        name, unit = split_unit(text)
+        bare = unit is None and len(name) > 2 and is_unit(name)
+        return _Heading(text, name.strip("_%"), name if bare else unit)
+
     @property
     def words(self) -> set[str]:
         """The words of its name."""
@@ -258,7 +266,7 @@ class _Heading(NamedTuple):
 
 def read_in(source: Source, quantities: Sequence[str]) -> str | None:
     """The first of some quantities that is a column of a log."""
-    heads = [_Heading(text, *split_unit(text)) for text in source.headings(quantities)]
+    heads = [_Heading.of(text) for text in source.headings(quantities)]
     return next((name for name in quantities for each in heads
                  if plain(name) in (plain(each.name), plain(each.bare))), None)  # fmt: skip
 

@@ -7,7 +7,9 @@ from typing import Any
 
 from stickslip import _core
 from stickslip.errors import ScenarioError
+from stickslip.scenario.held import OBJECTS
 from stickslip.scenario.keys import LAWS, check_word, full_name, is_of_one_coil, set_value
+from stickslip.scenario.law import is_law, set_law
 
 
 class Changes(dict[str, Any]):
@@ -39,10 +41,18 @@ class Changes(dict[str, Any]):
         """
         return sorted(self.items(), key=lambda item: _rank(item[0]))
 
-    def apply(self, core: _core.Scenario) -> None:
-        """Set numbers and words in a scenario of the core, which decides what is allowed."""
+    def apply(self, core: _core.Scenario, held: dict[str, Any] | None = None) -> None:
+        """Set numbers, words and laws in a scenario of the core, which decides what is allowed.
+
+        Objects are set there and in `held`, without which none is allowed.
+        """
         for key, value in self.in_order():
-            set_value(core, key, value)
+            if held is not None and key in OBJECTS:
+                OBJECTS[key].put(value, core, held)
+            elif is_law(key):
+                set_law(core, key, value)
+            else:
+                set_value(core, key, value)
 
 
 def _rank(key: str) -> int:

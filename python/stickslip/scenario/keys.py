@@ -6,15 +6,16 @@ import functools
 import keyword
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any, Literal, ParamSpec, TypeVar
+from typing import Literal, ParamSpec, TypeVar
 
 from stickslip import _core
 from stickslip._util.messages import meant, nearest, refuse, shown, suggestion
 from stickslip._util.text import is_number
 from stickslip._util.units import unit_meant
 from stickslip.errors import ScenarioError
+from stickslip.scenario.held import PATHS
 
 Value = float | int | str
 """The types of a key's value."""
@@ -34,47 +35,17 @@ COIL_NAMES = _core.coil_names
 GEOMETRY = ("side", "distance", "turns")
 """Dimensions of a coil that only its field depends on, so that a map takes their place."""
 
-PROGRAM = "drive.program"
-"""The waveform of a drive: in Python only, as a file has `FILE`."""
-
-FILE = "drive.file"
-"""The CSV file of voltages, which only a scenario's file and --set know."""
+PROGRAM, FILE = "drive.program", "drive.file"
+"""The waveform of a drive, and its path in a file and with --set."""
 
 COIL_MAP = "coil.map"
-"""The measured field of the coils: a `FieldMap`; in a scenario's file and with --set, its path."""
-
-ACCELERATIONS = "shake.accelerations"
-"""Those of the surface, an `Accelerations`: in Python only, as a file has `SHAKE_FILE`."""
-
-SHAKE_FILE = "shake.file"
-"""The CSV file of accelerations, which only a scenario's file and --set know."""
-
-FORCES = "inner.forces"
-"""Those on the inner mass, a `Forces`: in Python only, as a file has `INNER_FILE`."""
-
-INNER_FILE = "inner.file"
-"""The CSV file of forces, which only a scenario's file and --set know."""
-
-OBJECTS = (PROGRAM, COIL_MAP, ACCELERATIONS, FORCES)
-"""Keys whose value in Python is an object."""
+"""The measured field of the coils."""
 
 ROUND_HINT = (
     "coils are square; a round one of radius R is close to side = 1.77 R, a square of the same area"
 )
 """For who asks for a radius. At R = 40 mm, 60 mm away, such a square has 1.4 % less field and 0.2 %
 less gradient over field than a circle, whose field is known in closed form."""
-
-PROGRAM_HINT = f'{FILE} names the CSV file of voltages, with drive.mode = "program"'
-
-MAP_HINT = f"in Python, {COIL_MAP} takes a FieldMap, such as FieldMap.from_file(path)"
-
-PATHS = {
-    FILE: f"in Python, {PROGRAM} takes a Waveform, such as Waveform.from_csv(path)",
-    COIL_MAP: MAP_HINT,
-    SHAKE_FILE: f"in Python, {ACCELERATIONS} takes Accelerations.from_csv(path)",
-    INNER_FILE: f"in Python, {FORCES} takes Forces.from_csv(path)",
-}
-"""Keys that hold a path in a scenario's file and with --set, with what Python has instead."""
 
 _MOST_DEGREES = 360.0  # a larger number is hardly an angle
 
@@ -267,16 +238,14 @@ def is_of_one_coil(key: str) -> bool:
     return key.startswith("coil.") and key.count(".") > 1
 
 
-def hidden_keys(core: _core.Scenario, changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Those of all coils among the changes of a scenario whose value no coil has.
-
-    Single coils have their own then, all five of them.
-    """
-    names = {f"coil.{key.field}": key.field for key in keys_of("coil") if key.name in changes}
+def hidden_keys(core: _core.Scenario) -> dict[str, float]:
+    """Those of all coils, other than by default, whose value no coil has: all have their own."""
+    found = {key.name: core.get(key.name) for key in keys_of("coil")}
     return {
-        name: changes[name]
-        for name, field in names.items()
-        if all(core.get(f"coil.{coil}.{field}") != changes[name] for coil in COIL_NAMES)
+        name: float(value)
+        for name, value in found.items()
+        if value != known_keys()[name].default
+        and all(core.get(name.replace(".", f".{coil}.")) != value for coil in COIL_NAMES)
     }
 
 
@@ -293,7 +262,7 @@ def find_key(name: str, *value: object) -> Key:
     if name in keys:
         return keys[name]
     given = " = ".join([name, *map(shown, value)])
-    hint = f" here; {PATHS[name]}" if name in PATHS else f"; {key_hint(name)}"
+    hint = f" here; {PATHS[name].hint}" if name in PATHS else f"; {key_hint(name)}"
     raise ScenarioError(f"{given}: there is no such key{hint}") from None
 
 

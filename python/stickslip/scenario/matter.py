@@ -98,6 +98,30 @@ class Fluid:
     viscosity: float
     gap: float | None = None
 
+    @staticmethod
+    def of_table(table: Mapping[str, Any]) -> Fluid:
+        """The fluid of a section ``[fluid]``: the arguments of `Scenario.in_fluid`."""
+        known = ("name", "density", "viscosity", "wall")
+        for key, value in table.items():
+            if key not in known:
+                raise ScenarioError(
+                    f"fluid.{key} = {shown(value)}: there is no such key; {suggestion(key, known)}"
+                )
+        name, density, viscosity = (table.get(key) for key in known[:3])
+        with prefixed("[fluid]"):
+            return fluid_of(name, density, viscosity, table.get("wall", True))
+
+    @property
+    def lines(self) -> list[str]:
+        """The section in a scenario's file."""
+        wall = "false" if self.gap is None else repr(self.gap)
+        return [
+            "[fluid]  # for its note: what it sets stands above",
+            f"density = {self.density!r}  # kg/m^3",
+            f"viscosity = {self.viscosity!r}  # Pa s",
+            f"wall = {wall}  # m",
+        ]
+
     def changes(self, robot: Any, gravity: float) -> dict[str, float]:
         """The keys of a scenario for a robot in this fluid, where bodies fall with `gravity`."""
         body = robot.mass / (robot.length * robot.width * robot.height)
@@ -147,19 +171,6 @@ def fluid_of(
         check_above_zero("wall", wall, "m, true or false;")
         gap = float(wall)
     return Fluid(float(density), float(viscosity), gap)  # type: ignore[arg-type]
-
-
-def fluid_of_table(table: Any) -> Fluid:
-    """The fluid of a section ``[fluid]``: the arguments of `Scenario.in_fluid`, `name` first."""
-    known = ("name", "density", "viscosity", "wall")
-    for key, value in table.items():
-        if key not in known:
-            raise ScenarioError(
-                f"fluid.{key} = {shown(value)}: there is no such key; {suggestion(key, known)}"
-            )
-    name, density, viscosity = (table.get(key) for key in known[:3])
-    with prefixed("[fluid]"):
-        return fluid_of(name, density, viscosity, table.get("wall", True))
 
 
 def _check_given(what: str, **values: object) -> None:

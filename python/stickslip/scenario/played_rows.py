@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 from os import PathLike
 from typing import Any, ClassVar, TypeVar
 
@@ -54,6 +55,19 @@ class PlayedRows:
     def most(self) -> float:
         """The largest magnitude of all numbers but the times."""
         return float(np.abs(self.rows[:, 1:]).max())
+
+    def to_core(self) -> Array:
+        """What the core takes of it."""
+        return self.rows
+
+    def to_json(self) -> str:
+        """The rows as JSON, from which `from_json` makes the same bits."""
+        return json.dumps(self.rows.tolist())
+
+    @classmethod
+    def from_json(cls: type[_P], text: str) -> _P:
+        """The table of a text from `to_json`."""
+        return cls(json.loads(text))
 
     def write(self, path: str | PathLike[str]) -> None:
         """Write the CSV file that `from_csv` reads."""

@@ -6,7 +6,7 @@ when an object is made, so a scenario that exists can be simulated.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from os import PathLike
 from pathlib import Path
@@ -21,15 +21,12 @@ from stickslip._util.messages import check_kind, check_whole
 from stickslip._util.toml import parse_toml
 from stickslip._util.units import handy
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.field.field_map import FieldMap
 from stickslip.scenario.changes import Changes
 from stickslip.scenario.effects import flat_effects
+from stickslip.scenario.held import OBJECTS
 from stickslip.scenario.keys import (
-    ACCELERATIONS,
     COIL_MAP,
-    FORCES,
     LAWS,
-    OBJECTS,
     PREFIX,
     PROGRAM,
     Key,
@@ -37,12 +34,11 @@ from stickslip.scenario.keys import (
     find_key,
     full_name,
     hidden_keys,
+    keys_of,
     known_keys,
-    set_value,
 )
-from stickslip.scenario.law import Law, flat_laws, is_law, laws_of, refuse_unknown_laws, set_law
+from stickslip.scenario.law import Law, flat_laws, laws_of, refuse_unknown_laws
 from stickslip.scenario.matter import Fluid, fluid_of
-from stickslip.scenario.played_rows import Accelerations, Forces
 from stickslip.scenario.section import Section
 from stickslip.scenario.sections import (
     SECTIONS,
@@ -60,9 +56,11 @@ from stickslip.scenario.sections import (
 )
 from stickslip.scenario.toml_file import (
     Content,
-    changes_of,
+    Stated,
+    files_of,
     read_document,
     scenario_text,
+    stated,
     write_scenario,
 )
 from stickslip.scenario.uncertain import (
@@ -70,7 +68,6 @@ from stickslip.scenario.uncertain import (
     as_joint_prior,
     refuse_geometry_beside_a_map,
 )
-from stickslip.scenario.waveform import Waveform
 
 _S = TypeVar("_S", bound=Section)
 
@@ -78,31 +75,19 @@ _S = TypeVar("_S", bound=Section)
 # fail once in 170 times; a prior of which less is allowed is a mistake.
 _MOST_DRAWS = 100
 
-_Objects = tuple[Waveform | None, FieldMap | None, Accelerations | None, Forces | None]
-"""The values of `OBJECTS`."""
-
-_FLUID = "fluid"  # beside `OBJECTS` among what a scenario holds; no key, as it is a file's section
-
-_IN_CORE: Mapping[str, tuple[Callable[[_core.Scenario, Any], object], Callable[[Any], Any]]] = {
-    PROGRAM: (_core.Scenario.set_program, lambda given: given.blocks),
-    COIL_MAP: (_core.Scenario.set_map, FieldMap.to_core),
-    ACCELERATIONS: (_core.Scenario.set_accelerations, lambda given: given.rows),
-    FORCES: (_core.Scenario.set_forces, lambda given: given.rows),
-}
-"""What sets each of `OBJECTS` in the core, and what the core takes of it."""
+_FLUID = "fluid"  # the key of what `in_fluid` put the robot into
 
 
 class _View(Generic[_S]):
-    """A section of a scenario: its class, and what it holds beside its keys."""
+    """A section of a scenario."""
 
-    def __init__(self, kind: type[_S], *held: str) -> None:
-        self._kind, self._held = kind, held
+    def __init__(self, kind: type[_S]) -> None:
+        self._kind = kind
 
     def __get__(self, scenario: Scenario | None, owner: object = None) -> _S:
         if scenario is None:  # of the class itself
             return self  # type: ignore[return-value]
-        held = {**scenario._held, "_hidden": scenario._hidden}
-        return self._kind.view(scenario._core, *(held.get(name) for name in self._held))
+        return self._kind.view(scenario._core, scenario._held)
 
 
 class Scenario:
@@ -137,16 +122,16 @@ class Scenario:
     30.0
     """
 
-    __slots__ = ("__weakref__", "_core", "_held", "_hidden", "_uncertain")
+    __slots__ = ("__weakref__", "_core", "_held", "_uncertain")
 
-    drive = _View(Drive, PROGRAM)
-    coil = _View(Coil, "_hidden", COIL_MAP)
+    drive = _View(Drive)
+    coil = _View(Coil)
     robot = _View(Robot)
     contact = _View(Contact)
     drag = _View(Drag)
     environment = _View(Environment)
-    shake = _View(Shake, ACCELERATIONS)
-    inner = _View(Inner, FORCES)
+    shake = _View(Shake)
+    inner = _View(Inner)
     initial = _View(State)
     solver = _View(Solver)
     record = _View(Record)
@@ -170,44 +155,20 @@ class Scenario:
         uncertain: JointPrior | Mapping[str, Any] | None = None,
     ) -> None:
         self._core = _core.Scenario()
-        # All objects of this scenario, and no others, by `OBJECTS` or `_FLUID`.
-        self._held: dict[str, Any] = {}
-        self._hidden: dict[str, Any] = {}
-        given = (
-            drive,
-            coil,
-            robot,
-            contact,
-            drag,
-            environment,
-            shake,
-            inner,
-            initial,
-            solver,
-            record,
-        )
-        for (name, kind), section in zip(SECTIONS.items(), given, strict=True):
+        self._held: dict[str, Any] = {}  # all objects of this scenario, and no others, by `HELD`
+        own = drive, coil, robot, contact, drag, environment, shake, inner, initial, solver, record
+        for (name, kind), section in zip(SECTIONS.items(), own, strict=True):
             if section is None:
                 continue
             check_kind(name, section, kind)
             self._core.take(section._core, name)
-            for key in OBJECTS:
-                if key.startswith(f"{name}."):
-                    self._hold(key, getattr(section, key.removeprefix(f"{name}.")))
-        if coil is not None:
-            self._hidden = coil._hidden
+            self._held |= section.objects
         if effects is not None:
             Changes(flat_effects(effects)).apply(self._core)
         if laws is not None:
             Changes(flat_laws(laws)).apply(self._core)
         self._uncertain = None if uncertain is None else as_joint_prior(uncertain)
         self._check()
-
-    def _hold(self, key: str, given: object) -> None:
-        if given is None:
-            self._held.pop(key, None)
-        else:
-            self._held[key] = given
 
     def _check(self) -> None:
         """Refuse values that are allowed, but not together."""
@@ -266,8 +227,7 @@ class Scenario:
             If the file cannot be read, is not such a file, or holds a key or value that is not
             allowed.
         """
-        with prefixed(path):
-            return _of_changes(*changes_of(read_document(Path(path)), Path(path).parent))
+        return loaded(path)[0]
 
     def to_toml(self, path: str | PathLike[str] | None = None) -> str:
         """The scenario as the text of a TOML file, with every key.
@@ -290,18 +250,34 @@ class Scenario:
             If a file cannot be written; nothing is left half-written.
         """
         if path is None:
-            return scenario_text(self.content)
+            return scenario_text(self.content, files_of(self.content, None))
         return write_scenario(self.content, Path(path))
 
     @property
     def content(self) -> Content:
         """What its file states."""
-        return Content(self._core, *self._objects, self.fluid, self._uncertain)
+        return Content(self._core, self._held, self._uncertain)
 
-    @property
-    def _objects(self) -> _Objects:
-        program, field_map, accelerations, forces = map(self._held.get, OBJECTS)
-        return program, field_map, accelerations, forces
+    def document(self) -> dict[str, str]:
+        """All that decides a run, as texts by name: its TOML, and each object that has a file."""
+        held = {key: value for key, value in self._held.items() if key in OBJECTS}
+        texts = {OBJECTS[key].attribute: value.to_json() for key, value in held.items()}
+        return {"scenario": self.to_toml(), **texts}
+
+    @staticmethod
+    def of_document(document: Mapping[str, Any]) -> Scenario:
+        """The scenario of `document`, which may have further texts beside.
+
+        Raises
+        ------
+        ScenarioError
+            If a text is none of a scenario.
+        """
+        read = stated(parse_toml(document["scenario"]), None)
+        for key, held in OBJECTS.items():
+            if held.attribute in document:
+                read.changes[key] = held.kind.from_json(document[held.attribute])
+        return _of_stated(read)
 
     @staticmethod
     def keys() -> tuple[str, ...]:
@@ -351,25 +327,14 @@ class Scenario:
             check_kind("changes", changes, Mapping)
         given = Changes(changes or {}, more)
         refuse_unknown_laws(made._core, given)
-        for key, value in given.in_order():
-            if key in _IN_CORE:
-                section, _, field = key.partition(".")
-                SECTIONS[section](**{field: value})  # refuses what is no such object
-                made._hold(key, value)
-                set_object, taken = _IN_CORE[key]
-                set_object(made._core, None if value is None else taken(value))
-            elif is_law(key):
-                set_law(made._core, key, value)
-            else:
-                set_value(made._core, key, value)
-        made._hidden = hidden_keys(made._core, {**self._hidden, **given})
+        given.apply(made._core, made._held)
         made._check()
         return made
 
     def _copy(self) -> Scenario:
         made = object.__new__(type(self))
         made._core, made._held = self.to_core(), dict(self._held)
-        made._uncertain, made._hidden = self._uncertain, self._hidden
+        made._uncertain = self._uncertain
         return made
 
     def in_fluid(
@@ -410,13 +375,19 @@ class Scenario:
         """
         known = fluid_of(fluid, density, viscosity, wall)
         made = self.replace(known.changes(self.robot, gravity))
-        made._hold(_FLUID, known)
+        made._held[_FLUID] = known
         return made
 
     @property
     def fluid(self) -> Fluid | None:
         """What `in_fluid`, or ``[fluid]`` of a file, put the robot into."""
         return self._held.get(_FLUID)
+
+    def without_record(self) -> Scenario:
+        """A copy of which a run keeps its summary alone."""
+        # Whether the summary has this number is no matter of the record.
+        keys = {key.name: key.default for key in keys_of("record")}
+        return self.replace({**keys, "record.pull_share": self.record.pull_share})
 
     def with_state(self, state: State) -> Scenario:
         """A copy that begins at `state`, such as ``run.final_state``."""
@@ -524,24 +495,21 @@ class Scenario:
 
     @property
     def hidden(self) -> Mapping[str, Any]:
-        """Values without effect by dotted key: those of all coils, where all five have their own.
+        """Values without effect by dotted key: of all coils, where all five have their own."""
+        return MappingProxyType(hidden_keys(self._core))
 
-        They are known of what was read or changed here, not of a pickled or written scenario.
-        """
-        return MappingProxyType(self._hidden)
-
-    def _state(self) -> tuple[dict[str, Value], _Objects, Any]:
-        return self._core.changed(), self._objects, self._uncertain
+    def _state(self) -> tuple[dict[str, Value], list[Any], Any]:
+        return self._core.changed(), [self._held.get(key) for key in OBJECTS], self._uncertain
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Scenario) and self._state() == other._state()
 
     def __hash__(self) -> int:
-        changed, *others = self._state()
-        return hash((tuple(changed.items()), *others))
+        changed, objects, uncertain = self._state()
+        return hash((tuple(changed.items()), *objects, uncertain))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _made, (*self._state(), self.fluid, self._hidden)
+        return Scenario.of_document, (self.document(),)
 
     def __repr__(self) -> str:
         names = (*SECTIONS, "effects", "laws", "uncertain")
@@ -567,32 +535,15 @@ class Scenario:
 _DEFAULT = Scenario()
 
 
-def _made(
-    changed: Mapping[str, Value],
-    objects: _Objects,
-    uncertain: JointPrior | None,
-    fluid: Fluid | None,
-    hidden: Mapping[str, Value],
-) -> Scenario:
-    """The scenario of these parts."""
-    made = _DEFAULT.replace({**changed, **_named(objects)}).with_uncertain(uncertain)
-    made._hold(_FLUID, fluid)
-    made._hidden = dict(hidden)
-    return made
-
-
-def _named(objects: _Objects) -> dict[str, Any]:
-    return {key: value for key, value in zip(OBJECTS, objects, strict=True) if value is not None}
-
-
-def _of_changes(changes: Mapping[str, Any], uncertain: Any, fluid: Fluid | None) -> Scenario:
+def _of_stated(read: Stated) -> Scenario:
     """The scenario of a file; what stands there counts, and not what its fluid would set."""
+    changes = read.changes
     made = _DEFAULT.replace(changes)
-    if fluid is not None:
+    for key, given in read.held.items():
         if not {"drag.linear", "environment.gravity"} <= changes.keys():
-            made = made.replace({**fluid.changes(made.robot, 9.81), **changes})
-        made._hold(_FLUID, fluid)
-    return made.with_uncertain(uncertain)
+            made = made.replace({**given.changes(made.robot, 9.81), **changes})
+        made._held[key] = given
+    return made if read.uncertain is None else made.with_uncertain(read.uncertain)
 
 
 def _shown(key: Key, value: Value) -> str:
@@ -607,10 +558,12 @@ def load(path: str | PathLike[str]) -> Scenario:
     return Scenario.from_toml(path)
 
 
-def scenario_of(text: str, objects: _Objects) -> Scenario:
-    """The scenario of a text from `to_toml`, with its voltages, map, accelerations and forces."""
-    changes, uncertain, fluid = changes_of(parse_toml(text), None)
-    return _of_changes({**changes, **_named(objects)}, uncertain, fluid)
+def loaded(path: str | PathLike[str]) -> tuple[Scenario, list[Path]]:
+    """The scenario of a file, and all files that it was read from."""
+    path = Path(path)
+    with prefixed(path):
+        read = stated(read_document(path), path.parent)
+        return _of_stated(read), [path, *read.files]
 
 
 def with_uncertain_of(scenario: Scenario, path: str | PathLike[str]) -> Scenario:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import functools
 import inspect
 import textwrap
+from collections.abc import Mapping
 from typing import Any, ClassVar, TypeVar
 
 from stickslip import _core
 from stickslip._util.messages import shown, suggestion
 from stickslip.errors import ScenarioError
 from stickslip.scenario.changes import Changes
+from stickslip.scenario.held import OBJECTS, Held
 from stickslip.scenario.keys import ROUND_HINT, Key, keys_of, of_round_coil
 
 _S = TypeVar("_S", bound="Section")
@@ -22,7 +25,7 @@ class Section:
     equal if their values are.
     """
 
-    __slots__ = ("_core",)
+    __slots__ = ("_core", "_held")
 
     _name: ClassVar[str]
     _keys: ClassVar[dict[str, str]]
@@ -33,21 +36,30 @@ class Section:
     _core: Any
     """Where the values are: a scenario of the core, shared and never changed, or a state."""
 
+    _held: dict[str, Any]
+    """Objects by their keys: those of the section, and of others in the view of a scenario."""
+
     def __init_subclass__(cls, key: str, **others: str) -> None:
         keys = keys_of(key)
+        objects = [held for held in OBJECTS.values() if held.section == key]
         cls._name, cls._keys = key, {entry.field: entry.name for entry in keys}
-        cls._fields = (*cls._keys, *others)
+        cls._keys |= {held.field: held.key for held in objects}
+        kinds = {each.field: f"{each.kind.__name__}, optional: {each.meaning}" for each in objects}
+        others = {**kinds, **others}
+        cls._fields = tuple(dict.fromkeys((*cls._keys, *others)))
         for entry in keys:
             setattr(cls, entry.field, _property(entry))
+        for held in objects:
+            setattr(cls, held.field, _held_property(held))
         cls.__doc__ = "\n".join([_core.sections[key], *_documentation(keys, others)])
         cls.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
             [_parameter(k.field, k.default) for k in keys] + [_parameter(n, None) for n in others]
         )
 
     def __init__(self, **values: object) -> None:
-        self._core = _core.Scenario()
+        self._core, self._held = _core.Scenario(), {}
         changes = [self._changes(field, value) for field, value in values.items()]
-        Changes(*changes).apply(self._core)
+        Changes(*changes).apply(self._core, self._held)
 
     def _changes(self, field: str, value: Any) -> dict[str, Any]:
         """The changes that the value of a field makes, by dotted key."""
@@ -59,16 +71,16 @@ class Section:
         return {self._keys[field]: value}
 
     @classmethod
-    def view(cls: type[_S], core: Any, *held: Any) -> _S:
-        """The section of a scenario of the core, which nobody may change from then on.
-
-        `held` is the object that a section has beside its keys.
-        """
+    def view(cls: type[_S], core: Any, held: Mapping[str, Any] | None = None) -> _S:
+        """The section of a scenario of the core, which nobody may change from then on."""
         made = object.__new__(cls)
-        made._core = core
-        for slot, value in zip(cls.__slots__, held, strict=True):
-            setattr(made, slot, value)
+        made._core, made._held = core, dict(held or {})
         return made
+
+    @property
+    def objects(self) -> dict[str, Any]:
+        """The objects of this section by their keys."""
+        return {key: value for key, value in self._held.items() if key in self._keys.values()}
 
     def as_dict(self) -> dict[str, Any]:
         """The values by name."""
@@ -85,15 +97,15 @@ class Section:
         return f"{type(self).__name__}({values})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _made, (type(self), self.as_dict())
-
-
-def _made(kind: type[_S], values: dict[str, Any]) -> _S:
-    return kind(**values)
+        return functools.partial(type(self), **self.as_dict()), ()
 
 
 def _property(key: Key) -> property:
     return property(lambda self: self._core.get(key.name), doc=_meaning(key))
+
+
+def _held_property(held: Held) -> property:
+    return property(lambda self: self._held.get(held.key), doc=f"{held.meaning} None without.")
 
 
 def _meaning(key: Key) -> str:

@@ -11,26 +11,9 @@ from stickslip import _core
 from stickslip._util.arrays import in_columns
 from stickslip._util.messages import check_above_zero, refuse
 from stickslip.field.coils import Coils
-from stickslip.field.field_map import FieldMap
-from stickslip.scenario.keys import (
-    ACCELERATIONS,
-    COIL_MAP,
-    COIL_NAMES,
-    FORCES,
-    INNER_FILE,
-    MAP_HINT,
-    PATHS,
-    PROGRAM,
-    PROGRAM_HINT,
-    SHAKE_FILE,
-    hidden_keys,
-    is_of_one_coil,
-    keys_of,
-)
+from stickslip.scenario.keys import COIL_NAMES, is_of_one_coil, keys_of
 from stickslip.scenario.matter import magnet_of
-from stickslip.scenario.played_rows import Accelerations, Forces
 from stickslip.scenario.section import Section
-from stickslip.scenario.waveform import Waveform
 
 STATE_COLUMNS = tuple(_core.state_columns)
 """The fields of a `State` in the order of the last axis of an array of states.
@@ -45,27 +28,8 @@ OneCoil = namedtuple("OneCoil", [key.field for key in keys_of("coil.xp")])
 OneCoil.__doc__ = "Values of one coil, as those of `Coil`."
 
 
-class Drive(
-    Section,
-    key="drive",
-    program='Waveform, optional: Voltages of the five coils; with ``mode="program"`` only, and '
-    "then required. What is a pulsed drive's then has its default: all but `direction`.",
-):
-    __slots__ = ("_program",)
-
-    def __init__(self, *, program=None, **values):
-        super().__init__(**values)
-        if program is not None:
-            if not isinstance(program, Waveform):
-                allowed = f"a Waveform; in a file or with --set, {PROGRAM_HINT}"
-                refuse(PROGRAM, program, allowed)
-            self._core.set_program(program.blocks)
-        self._program = program
-
-    @property
-    def program(self):
-        """Voltages of the five coils; None for a pulsed drive."""
-        return self._program
+class Drive(Section, key="drive"):
+    __slots__ = ()
 
     @property
     def kind(self):
@@ -84,24 +48,13 @@ class Drive(
 class Coil(
     Section,
     key="coil",
-    map="FieldMap, optional: Measured field of the five coils, in place of that of `side`, "
-    "`distance` and `turns`, which then have their defaults.",
     **{
         name: f"mapping or OneCoil, optional: Values of the {name} coil, if they differ, such as "
         '``{"resistance": 10.5}``. It reads as a `OneCoil`.'
         for name in COIL_NAMES
     },
 ):
-    __slots__ = ("_hidden", "_map")
-
-    def __init__(self, *, map=None, **values):
-        super().__init__(**values)
-        if map is not None:
-            if not isinstance(map, FieldMap):
-                refuse(COIL_MAP, map, f"a path in a file or with --set; {MAP_HINT}")
-            self._core.set_map(map.to_core())
-        self._map = map
-        self._hidden = hidden_keys(self._core, {f"coil.{name}": v for name, v in values.items()})
+    __slots__ = ()
 
     def _changes(self, field, value):
         if field not in COIL_NAMES:
@@ -169,13 +122,8 @@ class Coil(
             capacitance=capacitance,
         )
 
-    @property
-    def map(self):
-        """Measured field of the five coils; None for square ones."""
-        return self._map
-
     def own_values(self):
-        """By dotted key, the values of single coils that differ from those of most."""
+        """By dotted key, the values of single coils that differ from those of all coils."""
         changed = self._core.changed().items()
         return {key: value for key, value in changed if is_of_one_coil(key)}
 
@@ -238,48 +186,12 @@ class Environment(Section, key="environment"):
     __slots__ = ()
 
 
-class Inner(
-    Section,
-    key="inner",
-    forces="Forces, optional: Those on the mass, in place of sines and pulses, whose keys then "
-    "have their defaults.",
-):
-    __slots__ = ("_forces",)
-
-    def __init__(self, *, forces=None, **values):
-        super().__init__(**values)
-        if forces is not None:
-            if not isinstance(forces, Forces):
-                refuse(FORCES, forces, PATHS[INNER_FILE])
-            self._core.set_forces(forces.rows)
-        self._forces = forces
-
-    @property
-    def forces(self):
-        """Forces on the mass; None for sines and pulses."""
-        return self._forces
+class Inner(Section, key="inner"):
+    __slots__ = ()
 
 
-class Shake(
-    Section,
-    key="shake",
-    accelerations="Accelerations, optional: Those of the surface, in place of sines, whose keys "
-    "then have their defaults.",
-):
-    __slots__ = ("_accelerations",)
-
-    def __init__(self, *, accelerations=None, **values):
-        super().__init__(**values)
-        if accelerations is not None:
-            if not isinstance(accelerations, Accelerations):
-                refuse(ACCELERATIONS, accelerations, PATHS[SHAKE_FILE])
-            self._core.set_accelerations(accelerations.rows)
-        self._accelerations = accelerations
-
-    @property
-    def accelerations(self):
-        """Accelerations of the surface; None for sines."""
-        return self._accelerations
+class Shake(Section, key="shake"):
+    __slots__ = ()
 
 
 class Solver(Section, key="solver"):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 import math
 from collections.abc import Mapping, Sequence
 from os import PathLike
@@ -233,6 +234,21 @@ class Waveform:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(_COLUMNS)
             writer.writerows(np.column_stack(self.points()).tolist())
+
+    def to_core(self) -> tuple[_Block, ...]:
+        """What the core takes of it."""
+        return self._blocks
+
+    def to_json(self) -> str:
+        """The blocks as JSON, from which `from_json` makes the same bits."""
+        return json.dumps(
+            [{"t": t.tolist(), "V": v.tolist(), "repeats": n} for t, v, n in self._blocks]
+        )
+
+    @classmethod
+    def from_json(cls, text: str) -> Waveform:
+        """The waveform of a text from `to_json`."""
+        return cls([(block["t"], block["V"], block["repeats"]) for block in json.loads(text)])
 
     @property
     def blocks(self) -> tuple[_Block, ...]:

@@ -219,7 +219,7 @@ def _tried(scenario: Scenario, changes: Mapping[str, Any]) -> Facts | None:
     if scenario.drive.kind != "program":
         changes = {"drive.pulses": min(scenario.drive.pulses, _TRIED_PULSES), **changes}
     try:
-        tried = scenario.replace({"record.rate": "none", **changes})
+        tried = scenario.without_record().replace(changes)
     except ScenarioError:  # a value beyond its range
         return None
     (result,) = _core.simulate_batch([tried.to_core()], 1, lambda _: None, None)

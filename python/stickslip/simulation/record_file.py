@@ -24,11 +24,8 @@ from stickslip._util.files import beside, check_writable, replacing
 from stickslip._util.messages import refuse
 from stickslip.errors import NotWritten, ScenarioError, prefixed
 from stickslip.extras import naming_the_extra
-from stickslip.field.field_map import FieldMap
-from stickslip.scenario.played_rows import Accelerations, Forces
-from stickslip.scenario.scenario import Scenario, scenario_of
+from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import State
-from stickslip.scenario.waveform import Waveform
 from stickslip.simulation.checked_file import FORMAT, PART, checked, seal
 from stickslip.simulation.quantities import ASKED, COLUMNS, WORDS, recorded_names
 
@@ -60,19 +57,7 @@ def origin(scenario: Scenario) -> dict[str, str]:
     about = {"stickslip_version": _core.__version__, "numpy_version": np.__version__}
     with contextlib.suppress(importlib.metadata.PackageNotFoundError):  # it comes with an extra
         about["xarray_version"] = importlib.metadata.version("xarray")
-    about["scenario"] = scenario.to_toml()
-    if scenario.drive.kind == "program":  # a scenario's text names a file in place of the voltages
-        blocks = scenario.to_core().program()
-        about["voltage_blocks"] = json.dumps(
-            [{"t": t.tolist(), "V": v.tolist(), "repeats": n} for t, v, n in blocks]
-        )
-    if scenario.coil.map is not None:
-        about["coil_map"] = scenario.coil.map.to_json()
-    if scenario.shake.accelerations is not None:
-        about["accelerations"] = json.dumps(scenario.shake.accelerations.rows.tolist())
-    if scenario.inner.forces is not None:
-        about["forces"] = json.dumps(scenario.inner.forces.rows.tolist())
-    return about
+    return {**about, **scenario.document()}
 
 
 def dataset(arrays: Block, about: Mapping[str, Any]) -> xarray.Dataset:
@@ -329,17 +314,7 @@ def stored(path: str | PathLike[str]) -> tuple[Scenario, dict[str, Any], StoredR
                     f"is no run; {_ALLOWED}; a sweep is opened with xarray.open_dataset"
                 )
         try:
-            program = None
-            if "voltage_blocks" in about:
-                blocks = json.loads(about["voltage_blocks"])
-                program = Waveform([(block["t"], block["V"], block["repeats"]) for block in blocks])
-            field_map = FieldMap.from_json(about["coil_map"]) if "coil_map" in about else None
-            shaken = forces = None
-            if "accelerations" in about:
-                shaken = Accelerations(json.loads(about["accelerations"]))
-            if "forces" in about:
-                forces = Forces(json.loads(about["forces"]))
-            scenario = scenario_of(about["scenario"], (program, field_map, shaken, forces))
+            scenario = Scenario.of_document(about)
             record = StoredRecord(path, recorded_names(scenario))
             about = {**dict.fromkeys(ASKED, math.nan), **about}
             outcome = {

@@ -11,14 +11,15 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip import _core
 from stickslip._util.arrays import RELATIVE, Array, Indices, columns_of, representatives
 from stickslip._util.messages import MOST_VALUES, as_list, check_kind, shown
 from stickslip.errors import ScenarioError
 from stickslip.scenario.changes import Changes
+from stickslip.scenario.held import OBJECTS, PATHS
 from stickslip.scenario.keys import (
+    COIL_MAP,
     COIL_NAMES,
-    OBJECTS,
-    PATHS,
     SAWTOOTH,
     Value,
     check_word,
@@ -29,7 +30,6 @@ from stickslip.scenario.keys import (
 )
 from stickslip.scenario.law import refuse_unknown_laws
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.record_file import origin
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -58,9 +58,7 @@ class Points:
         for key in self.keys:
             if names.setdefault(name_of(key), key) != key:
                 raise ScenarioError(f"{key}: a sweep cannot vary it beside {names[name_of(key)]}")
-        record = {field.name: field.default for field in known_keys().values()
-                  if field.section == "record"}  # fmt: skip
-        self.scenario = self.scenario.replace(record)
+        self.scenario = self.scenario.without_record().replace({"record.pull_share": "no"})
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -100,12 +98,10 @@ class Points:
 
     def identity(self) -> str:
         """Scenario, points and version as JSON: equal for equal sweeps alone."""
-        about = origin(self.scenario)
-        for package in ("numpy_version", "xarray_version"):
-            about.pop(package, None)
-        field_map = self.scenario.coil.map
+        scenario, field_map = self.scenario, self.scenario.coil.map
         if field_map is not None:  # whose file may have another name
-            about["coil_map"] = replace(field_map, source="").to_json()
+            scenario = scenario.replace({COIL_MAP: replace(field_map, source="")})
+        about = {"stickslip_version": _core.__version__, **scenario.document()}
         columns = {key: values.tolist() for key, (_, values) in self.columns.items()}
         return json.dumps({**about, "dimensions": dict(self.sizes), "vary": columns})
 
@@ -199,7 +195,7 @@ def _by_single_coils(row: Mapping[str, Value]) -> dict[str, Value]:
 def _check_key(key: str) -> None:
     check_word(key)
     key = str(key)
-    if key in (*OBJECTS, *PATHS):
+    if key in OBJECTS or key in PATHS:
         raise ScenarioError(f"{key}: a sweep varies numbers and words, not voltages or maps")
     if key.startswith("record."):
         raise ScenarioError(f"{key}: a sweep keeps summaries only, whatever is recorded")

@@ -28,7 +28,7 @@ from stickslip.diagnosis.terms.words import Vocabulary
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import is_of_one_coil, known_keys
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.toml_file import files_beside, held_writers, scenario_writers
+from stickslip.scenario.toml_file import files_of, scenario_writers
 from stickslip.scenario.uncertain import JointPrior, refuse_geometry_beside_a_map
 from stickslip.simulation.scenario_notes import peak_voltages
 from stickslip.walker import experiments
@@ -230,7 +230,7 @@ class Drives(Rivals):
         self, folder: Path, told: str, causes: str, extended: Scenario
     ) -> dict[Path, Callable[[Path], object]]:
         lines = _comments(self._measurement, told, causes, extended)
-        return scenario_writers(extended.content, folder / self._file, lines)[1]
+        return scenario_writers(extended.content, folder / self._file, lines)
 
 
 def _uncertain(changes: Mapping[str, float], matrix: DataFrame | None) -> JointPrior | None:
@@ -247,9 +247,9 @@ def _uncertain(changes: Mapping[str, float], matrix: DataFrame | None) -> JointP
 def report_files(*scenarios: Scenario) -> tuple[str, ...]:
     """Names of the files of a report: with those that state the scenario, or that of each side."""
     names = [EXTENDED] if len(scenarios) == 1 else [f"{side}.toml" for side in SIDES]
-    held = (held_writers(one.content, files_beside(Path(name)))
+    held = (files_of(one.content, Path(name)).values()
             for name, one in zip(names, scenarios, strict=True))  # fmt: skip
-    return (*FILES, *names, *(path.name for each in held for path in each))
+    return (*FILES, *names, *(file for each in held for file in each))
 
 
 def _comments(measurement: Measurement, told: str, first: str, extended: Scenario) -> list[str]:

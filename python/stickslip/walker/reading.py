@@ -21,8 +21,8 @@ from stickslip._util.text import OneLine, printable
 from stickslip.diagnosis.data.outliers import marks_of_none
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import COIL_NAMES
-from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.toml_file import named_files, read_document
+from stickslip.scenario.scenario import Scenario, loaded
+from stickslip.scenario.toml_file import read_document
 from stickslip.scenario.uncertain import COVARIANCE, parse_priors
 from stickslip.walker.first_lines import TableGiven, refuse_table
 from stickslip.walker.read_tracking import REQUIRED, TrackingRun, read_tracking, stated_number
@@ -237,9 +237,9 @@ def _measurement(document: dict[str, Any], path: Path) -> Measurement:
     if not isinstance(name, str):
         refuse("name", name, "a text")
     nominal = _path_of(document, "scenario", "", "a scenario file")
-    scenario = Scenario.from_toml(path.parent / nominal)
+    scenario, files = loaded(path.parent / nominal)
     uncertain = _uncertain(document.get("uncertain"), scenario)
-    files = [path, path.parent / nominal, *named_files(path.parent / nominal).values()]
+    files.insert(0, path)
     tables, left_out = _tables(document, path, scenario, files)
     if not any(tables.values()):
         if left_out:

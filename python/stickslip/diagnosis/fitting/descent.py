@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Generator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -15,6 +15,7 @@ from stickslip.diagnosis.fitting.forms import Form
 from stickslip.diagnosis.fitting.problem import LOST, Problem
 from stickslip.diagnosis.terms.cause import Cause
 
+_Item = TypeVar("_Item")
 _Result = TypeVar("_Result")
 Asking = Generator[tuple[Array, bool], Array, _Result]
 """A search that yields points, shape (vectors, size), and whether the draft will do, and is sent
@@ -83,6 +84,13 @@ def costs_of(form: Form, h: Array, free: Array, precision: Array, residual: Arra
     return np.asarray(form.cost(residual, h) + np.einsum("vi,ij,vj->v", free, precision, free))
 
 
+def batches(items: Sequence[_Item], sizes: Sequence[int], most: int) -> Iterator[list[_Item]]:
+    """Items in their order, together of about a size, or one that is larger."""
+    number = (np.cumsum(sizes) - 1) // most
+    for _, some in itertools.groupby(zip(number, items, strict=True), key=lambda one: one[0]):
+        yield [item for _, item in some]
+
+
 def in_step(problem: Problem, searches: Sequence[Asking[_Result]]) -> list[_Result]:
     """Results of several searches: what they ask for at a time is one batch of predictions."""
     results: dict[int, _Result] = {}
@@ -99,11 +107,11 @@ def in_step(problem: Problem, searches: Sequence[Asking[_Result]]) -> list[_Resu
         go_on(k, None)
     while asked:
         for draft in (True, False):
-            mine = {k: x for k, (x, drafted) in asked.items() if drafted == draft}
-            if mine:
-                residuals = problem.residuals(np.vstack(list(mine.values())), draft)
-                ends = np.cumsum([len(x) for x in mine.values()])
-                for k, part in zip(mine, np.split(residuals, ends[:-1]), strict=True):
+            mine = [(k, x) for k, (x, drafted) in asked.items() if drafted == draft]
+            for some in batches(mine, [len(x) for _, x in mine], problem.at_once):
+                residuals = problem.residuals(np.vstack([x for _, x in some]), draft)
+                ends = np.cumsum([len(x) for _, x in some])
+                for (k, _), part in zip(some, np.split(residuals, ends[:-1]), strict=True):
                     go_on(k, part)
     return [results[k] for k in range(len(searches))]
 
@@ -144,7 +152,7 @@ def descend(
     x[absent] = 0.0
     x[free] = np.clip(x[free], low, high)
     if begin is None:
-        (residual,) = yield x[None, :], draft
+        residual = (yield x[None, :], draft)[0].copy()  # a view would keep those of all searches
         exact = slopes is None
         if slopes is None:
             slopes = yield from derivatives(problem, x, free, residual, draft)
@@ -186,7 +194,7 @@ def descend(
         count += _COUNTS if count >= _CRAWL and fall > max(_PAYS, _PART * now) else 1.0
         learnt = _updated(slopes, residual - made, move, problem.sd)
         if fall > 0.0:
-            x, residual, now = there, made, now - fall
+            x, residual, now = there, made.copy(), now - fall
             slopes, was_exact, exact, factor = learnt, exact, False, 1.0
             if fall < SETTLED and (was_exact or hoped < SETTLED):
                 break
@@ -376,7 +384,7 @@ def _fine_slope(problem: Problem, x: Array, k: int, residual: Array, draft: bool
 
 def end_at(problem: Problem, causes: Sequence[Cause], x: Array) -> Asking[End]:
     """Where a model is at given coordinates, with slopes there."""
-    (residual,) = yield x[None, :], False
+    residual = (yield x[None, :], False)[0].copy()
     slopes = yield from derivatives(problem, x, problem.free(causes), residual)
     return End(x, residual, slopes, np.nan)
 

@@ -78,7 +78,8 @@ class Form:
 
     def computed(self, columns: Array) -> Array:
         """Columns, shape (n, k), with 0 where a residual is that of a row that is not computed."""
-        return np.where(columns == LOST * self.problem.sd[:, None], 0.0, columns)
+        lost = columns == LOST * self.problem.sd[:, None]
+        return np.where(lost, 0.0, columns) if lost.any() else columns
 
     def price(self, residual: Array) -> Array:
         """Cost of the rows that are not computed, of residuals, shape (vectors, n)."""
@@ -274,12 +275,15 @@ class Correlated(Form):
         before = np.concatenate([[0.0], variance[:-1]])[: len(phi)]
         diagonal = s2 * self._unit2 * (1.0 - phi**2) + variance + phi**2 * before
         chain, pivots = columns[self._chain], diagonal
-        whitened = chain.copy(order="F")
+        whitened = np.empty_like(chain)
+        whitened[:1] = chain[:1]
         if len(chain) > 1:
             pivots, beside, failed = lapack.dpttrf(diagonal, -phi[1:] * variance[:-1])
             if failed:
                 raise np.linalg.LinAlgError("the covariance of a run is not positive")
-            whitened[1:] -= phi[1:, None] * chain[:-1]
+            # In place: a temporary as large costs more than the sums.
+            np.multiply(chain[:-1], -phi[1:, None], out=whitened[1:])
+            whitened[1:] += chain[1:]
             band = np.ones((2, len(chain)), order="F")
             band[1, :-1] = beside
             whitened, _ = lapack.dtbtrs(band, whitened, uplo="L", diag="U", overwrite_b=True)

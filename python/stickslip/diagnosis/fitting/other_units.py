@@ -126,13 +126,12 @@ def unit_fault(
     if _is_like(null, problem, variance / _MISSED) and null.moved < _FAR:
         return None
     tries = list(_in_units(problem, of, known, seed))
-    near, far = _single(problem, seed)
-    meant = _fits(tries, _FITTED) + _fits(far, _FITTED)
+    meant = _fits(tries, _FITTED) + _fits(_beyond(problem, seed), _FITTED)
     best = min(meant, key=lambda end: end.chi2 + end.penalty, default=null)
     missed = null.chi2 > _MISSED * best.chi2 or null.moved > _FAR
     if not missed or best.moved > _FAR or not _is_like(best, problem, variance):
         return None
-    rivals = [null, *_fits(near)]
+    rivals = [null, *_fits(_off(problem))]
     # Errors that are stated wrongly, or not at all, are those that the best model leaves.
     least = min(end.chi2 for end in (*meant, *rivals))
     scale = max(least / len(problem.y), 1e-9 * variance / len(problem.y))
@@ -181,11 +180,10 @@ def _in_units(
                 yield _looked_at(of(changed), seed, column, per, text)
 
 
-def _single(problem: Problem, seed: int) -> tuple[list[_Try], list[_Try]]:
-    """Fits with one constant that is off, up to `_WRONG_PART` and beyond."""
-    near, far = [], []
+def _off(problem: Problem) -> list[_Try]:
+    """Fits with one constant that is off, up to `_WRONG_PART`."""
+    near = []
     grid = np.geomspace(1.0 / _WRONG_PART, _WRONG_PART, _SCANNED)
-    beyond = [one for one in MISTAKES if max(one, 1.0 / one) > _WRONG_PART]
     for k, constant in enumerate(problem.constants):
         if not constant.may_be_off:
             continue
@@ -201,14 +199,21 @@ def _single(problem: Problem, seed: int) -> tuple[list[_Try], list[_Try]]:
             x = np.zeros(problem.size)
             x[k] = wide.constants[k].coordinate(values[place, k])
             near.append(_Try(wide, x, float(left[place]), freed=k))
-        if not middle:
+    return near
+
+
+def _beyond(problem: Problem, seed: int) -> list[_Try]:
+    """The same beyond it."""
+    far = []
+    for k, constant in enumerate(problem.constants):
+        if not constant.may_be_off or not float(constant.value(np.zeros(1))[0]):
             continue
-        for factor in beyond:
+        for factor in (one for one in MISTAKES if max(one, 1.0 / one) > _WRONG_PART):
             moved = _other(problem, k, _times(constant, factor))
             text = (f"{constant.name} were {factor_text(factor)} times what is stated: "
                     "look at its unit")  # fmt: skip
             far.append(_looked_at(moved, seed, constant.name, factor, text))
-    return near, far
+    return far
 
 
 def _looked_at(
@@ -226,8 +231,9 @@ def _looked_at(
 def _left(problem: Problem, values: Array) -> Array:
     """Chi-square of the readings at values, shape (vectors,)."""
     with np.errstate(all="ignore"):
-        missed = (problem.y - problem.model(values)) / problem.sd
-        left = np.sum(missed**2, axis=1)
+        parts = np.split(values, range(problem.at_once, len(values), problem.at_once))
+        missed = (((problem.y - problem.model(part)) / problem.sd) ** 2 for part in parts)
+        left = np.concatenate([np.sum(squares, axis=1) for squares in missed])
     return np.where(np.isfinite(left), left, 1e300)
 
 

@@ -185,8 +185,15 @@ class Problem(OneLine):
 
     def physical(self, x: Array) -> Array:
         """Values of the parameters at coordinates, shape (vectors, size)."""
-        columns = [parameter.value(x[:, k]) for k, parameter in enumerate(self.parameters)]
-        return np.stack(columns, axis=1) if columns else np.zeros((len(x), 0))
+        values = np.tile(self._middles, (len(x), 1))
+        for k in np.flatnonzero(x.any(axis=0)).tolist():  # most causes are absent
+            values[:, k] = self.parameters[k].value(x[:, k])
+        return values
+
+    @cached_property
+    def _middles(self) -> Array:
+        """Values of the parameters at coordinates of zero, shape (size,)."""
+        return np.array([float(one.value(np.zeros(1))[0]) for one in self.parameters])
 
     # ------------------------------------------------------------------------ rows
     @property
@@ -304,8 +311,9 @@ class Problem(OneLine):
         model = self.draft if draft and self.draft is not None else self.model
         with np.errstate(over="ignore", invalid="ignore"):
             predicted = model(self.physical(x))
-            sound = np.abs(predicted) < HUGE
-        return np.where(sound, self.y - np.where(sound, predicted, 0.0), LOST * self.sd)
+            residual = self.y - predicted
+            lost = ~(np.abs(predicted) < HUGE)
+        return np.where(lost, LOST * self.sd, residual) if lost.any() else residual
 
 
 def _with_block(whole: Array, part: slice, block: Array) -> Array:
@@ -337,7 +345,8 @@ class Cached:
             made = np.asarray(self.anew(np.stack(list(new.values()))), dtype=float)
             # A row by itself, as a view would keep all rows of its call.
             self._rows |= {key: row.copy() for key, row in zip(new, made, strict=True)}
-        rows = np.stack([self._rows[key] for key in keys])
+        every = len(new) == len(keys)
+        rows = np.ascontiguousarray(made) if every else np.stack([self._rows[k] for k in keys])
         for key in dict.fromkeys(keys):
             self._rows.move_to_end(key)
         while len(self._rows) * rows.shape[1] > _MOST_CACHED and len(self._rows) > len(keys):

@@ -11,7 +11,7 @@ import numpy as np
 
 from stickslip._util.arrays import Array, Mask
 from stickslip._util.text import OneLine
-from stickslip.diagnosis.fitting.descent import End, precision_of
+from stickslip.diagnosis.fitting.descent import End, batches, precision_of
 from stickslip.diagnosis.fitting.forms import Form
 from stickslip.diagnosis.fitting.problem import FINE, LOST, Problem
 from stickslip.diagnosis.terms.cause import Cause
@@ -81,28 +81,39 @@ def responses(
     first.
     """
     probes = [probe for cause in offered for probe in _probes(problem, cause, sizes)]
+    groups = itertools.groupby(probes, key=lambda probe: probe.cause.name)
+    every = [list(group) for _, group in groups]
+    sizes_of = [len(group) * len(group[0].columns) for group in every]
+    drafted = draft and problem.draft is not None and any(sizes_of)
+    here = problem.residuals(end.x[None, :], True)[0] if drafted else end.residual
+    result = list[Response]()
+    for some in batches(every, sizes_of, problem.at_once):
+        gaps, first = _changes(problem, end.x, here, [p for group in some for p in group], draft), 0
+        for mine in some:
+            effects = gaps[first : first + len(mine) * len(mine[0].columns)]
+            first += len(effects)
+            # One product for all probes: the slopes of what is fitted, the gaps, the residual.
+            prepared = form.prepared(np.column_stack([end.slopes, effects.T, end.residual]))
+            gram = form.weighted(prepared, end.residual, h)
+            result += _best(problem, end, causes, mine, gram, effects)
+    return sorted(result, key=lambda response: -response.gain)
+
+
+def _changes(
+    problem: Problem, x: Array, here: Array, probes: Sequence[_Probe], draft: bool
+) -> Array:
+    """Changes of the predictions by one amplitude of each probe, shape (amplitudes, n)."""
     points = []
     for probe in probes:
         for column, value in zip(probe.columns, probe.values, strict=True):
-            points.append(end.x.copy())
+            points.append(x.copy())
             points[-1][[*probe.shapes, column]] = [*probe.shapes.values(), value]
-    gaps = np.zeros((0, len(problem.y)))
-    if points:
-        drafted = draft and problem.draft is not None
-        here = problem.residuals(end.x[None, :], True)[0] if drafted else end.residual
-        moved = problem.residuals(np.array(points), draft)
-        lost = (moved == LOST * problem.sd) | (here == LOST * problem.sd)
-        gaps = np.where(lost, 0.0, here - moved)
-    result, first = list[Response](), 0
-    for _, group in itertools.groupby(probes, key=lambda probe: probe.cause.name):
-        mine = list(group)
-        effects = gaps[first : first + len(mine) * len(mine[0].columns)]
-        first += len(effects)
-        # One product for all probes: the slopes of what is fitted, the gaps, the residual.
-        prepared = form.prepared(np.column_stack([end.slopes, effects.T, end.residual]))
-        gram = form.weighted(prepared, end.residual, h)
-        result += _best(problem, end, causes, mine, gram, effects)
-    return sorted(result, key=lambda response: -response.gain)
+    if not points:
+        return np.zeros((0, len(problem.y)))
+    moved = problem.residuals(np.array(points), draft)
+    lost = (moved == LOST * problem.sd) | (here == LOST * problem.sd)
+    np.subtract(here, moved, out=moved)
+    return np.where(lost, 0.0, moved) if lost.any() else moved
 
 
 def _probes(problem: Problem, cause: Cause, sizes: Sequence[float]) -> list[_Probe]:

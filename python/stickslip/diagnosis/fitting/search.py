@@ -306,10 +306,11 @@ def separated(
     items: Iterable[_Item], place: Callable[[_Item], Array], distance: float
 ) -> Iterator[_Item]:
     """Those that are not closer than a distance to an earlier one."""
-    kept: list[_Item] = []
+    kept: list[Array] = []
     for item in items:
-        if all(np.linalg.norm(place(item) - place(other)) > distance for other in kept):
-            kept.append(item)
+        at = place(item)
+        if not kept or np.all(np.linalg.norm(np.array(kept) - at, axis=1) > distance):
+            kept.append(at)
             yield item
 
 
