@@ -268,7 +268,10 @@ def counted_on(
     steps = np.diff(y)
     spans = [] if turn is None else [turn]
     step = high - low
-    quantum = _quantum(y * column.what.per) / column.what.per if step > 0.0 else 0.0
+    # The power of ten of which all numbers are whole ones.
+    raw, quanta = y * column.what.per, _QUANTA if step > 0.0 else ()
+    whole = (q for q in quanta if np.allclose(raw / q, np.round(raw / q), rtol=1e-10))
+    quantum = next(whole, 0.0) / column.what.per
     for bits in (16, 32):
         span, edge = quantum * 2.0**bits, 0.01 * quantum * 2.0**bits
         full = (0.0 <= low < edge and high > span - edge) or (
@@ -289,8 +292,3 @@ def counted_on(
         return made, Note("counted-on", f"{text} there, {'a turn' if span == turn else 'a counter'}"
                           ".", len(wide))  # fmt: skip
     return values, None
-
-
-def _quantum(raw: Array) -> float:
-    """The power of ten of which all numbers are whole ones; 0 of none."""
-    return next((q for q in _QUANTA if np.allclose(raw / q, np.round(raw / q), rtol=1e-10)), 0.0)

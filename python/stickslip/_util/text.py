@@ -110,11 +110,7 @@ def json_text(value: Any) -> str:
     control characters, and the others, such as DEL, act on a terminal.
     """
     text = json.dumps(_finite(value), indent=2, allow_nan=False, ensure_ascii=False)
-    return _UNUSUAL.sub(lambda match: _shown(match[0]), text)
-
-
-def _shown(character: str) -> str:
-    return character if character.isprintable() else json.dumps(character)[1:-1]
+    return _UNUSUAL.sub(lambda m: m[0] if m[0].isprintable() else json.dumps(m[0])[1:-1], text)
 
 
 def _finite(value: Any) -> Any:

@@ -184,7 +184,8 @@ def per_si(unit: str, si: str) -> float:
         hint = "; Hz does not say whether it counts turns: a turn is 2 pi rad"
     if unit.rstrip("s") in ("tick", "count") and si == "rad":
         hint = "; of an encoder with 4096 ticks a turn, rev/4096"
-    raise ValueError(f"allowed are {_listed(known)}{hint}")
+    listed = ", ".join(unit for unit in known if "μ" not in unit)  # the twin of µ looks alike
+    raise ValueError(f"allowed are {listed}{hint}")
 
 
 def ratio(unit: str, other: str) -> float:
@@ -328,10 +329,6 @@ def _known(si: str) -> dict[str, float]:
     """All units of the quantity of an SI unit, with how many of each are one of it."""
     prefixed = {} if si == "kg" else {f"{prefix}{si}": n for prefix, n in _PREFIXES.items()}
     return {si: 1.0, **prefixed, **_OTHERS.get(si, {})}
-
-
-def _listed(known: dict[str, float]) -> str:
-    return ", ".join(unit for unit in known if "μ" not in unit)  # the twin of µ looks alike
 
 
 FACTORS = (10.0, 100.0, 1e3, 1e6)

@@ -103,9 +103,8 @@ def cosine_of_swap(models: Models, one: Fit, other: Fit) -> float:
     parameters can undo.
     """
     shared = models.get(one.names & other.names) or models.null
-    return cosine(
-        models.problem, shared, shared.residual - one.residual, shared.residual - other.residual
-    )
+    apart = (shared.residual - fit.residual for fit in (one, other))
+    return cosine(models.problem, shared, *apart)
 
 
 def cosine(problem: Problem, base: Fit, one: Array, other: Array) -> float:

@@ -159,7 +159,8 @@ def descend(
     else:
         residual, slopes, exact = begin.residual, begin.slopes, begin.exact
     now = float(costs_of(form, h, x[None, free], precision, residual[None, :])[0])
-    longest = _longest_steps(problem)[free]
+    linear = [p.prior is not None and p.prior.kind == "normal" for p in problem.parameters]
+    longest = np.where(linear, _LINEAR_STEP, _STEP)[free]
     factor, softer, fall, count = 1.0, 1.0, 0.0, 0.0
     while count < steps:
         prepared = form.prepared(np.column_stack([slopes, residual]))
@@ -272,11 +273,6 @@ def _updated(slopes: Array, change: Array, move: Array, sd: Array) -> Array:
     if length < _STRIDE:
         gap = np.clip(gap, -_JUMP * sd, _JUMP * sd)
     return np.asarray(slopes + np.outer(gap, move) / length**2)
-
-
-def _longest_steps(problem: Problem) -> Array:
-    linear = [p.prior is not None and p.prior.kind == "normal" for p in problem.parameters]
-    return np.where(linear, _LINEAR_STEP, _STEP)
 
 
 def _step(curvature: Array, downhill: Array, room: tuple[Array, Array], damping: float) -> Array:

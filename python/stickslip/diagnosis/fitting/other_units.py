@@ -10,7 +10,7 @@ from __future__ import annotations
 import contextlib
 import itertools
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -125,8 +125,9 @@ def unit_fault(
     null = fits[0]
     if _is_like(null, problem, variance / _MISSED) and null.moved < _FAR:
         return None
-    tries = list(_in_units(problem, of, known, seed))
-    meant = _fits(tries, _FITTED) + _fits(_beyond(problem, seed), _FITTED)
+    meant = _fits(_in_units(problem, of, known, seed), _FITTED) + _fits(
+        _beyond(problem, seed), _FITTED
+    )
     best = min(meant, key=lambda end: end.chi2 + end.penalty, default=null)
     missed = null.chi2 > _MISSED * best.chi2 or null.moved > _FAR
     if not missed or best.moved > _FAR or not _is_like(best, problem, variance):
@@ -180,9 +181,8 @@ def _in_units(
                 yield _looked_at(of(changed), seed, column, per, text)
 
 
-def _off(problem: Problem) -> list[_Try]:
+def _off(problem: Problem) -> Iterator[_Try]:
     """Fits with one constant that is off, up to `_WRONG_PART`."""
-    near = []
     grid = np.geomspace(1.0 / _WRONG_PART, _WRONG_PART, _SCANNED)
     for k, constant in enumerate(problem.constants):
         if not constant.may_be_off:
@@ -198,22 +198,19 @@ def _off(problem: Problem) -> list[_Try]:
         for place in np.argsort(left)[:2].tolist():
             x = np.zeros(problem.size)
             x[k] = wide.constants[k].coordinate(values[place, k])
-            near.append(_Try(wide, x, float(left[place]), freed=k))
-    return near
+            yield _Try(wide, x, float(left[place]), freed=k)
 
 
-def _beyond(problem: Problem, seed: int) -> list[_Try]:
+def _beyond(problem: Problem, seed: int) -> Iterator[_Try]:
     """The same beyond it."""
-    far = []
     for k, constant in enumerate(problem.constants):
-        if not constant.may_be_off or not float(constant.value(np.zeros(1))[0]):
+        if not constant.may_be_off or not constant.middle:
             continue
         for factor in (one for one in MISTAKES if max(one, 1.0 / one) > _WRONG_PART):
             moved = _other(problem, k, _times(constant, factor))
             text = (f"{constant.name} were {factor_text(factor)} times what is stated: "
                     "look at its unit")  # fmt: skip
-            far.append(_looked_at(moved, seed, constant.name, factor, text))
-    return far
+            yield _looked_at(moved, seed, constant.name, factor, text)
 
 
 def _looked_at(
@@ -237,7 +234,7 @@ def _left(problem: Problem, values: Array) -> Array:
     return np.where(np.isfinite(left), left, 1e300)
 
 
-def _fits(tries: Sequence[_Try], most: int | None = None) -> list[_End]:
+def _fits(tries: Iterable[_Try], most: int | None = None) -> list[_End]:
     """Ends of fits without a cause, where they can be fitted, of the best tries."""
     ends = []
     for one in sorted(tries, key=lambda one: one.left)[:most]:

@@ -185,15 +185,10 @@ class Problem(OneLine):
 
     def physical(self, x: Array) -> Array:
         """Values of the parameters at coordinates, shape (vectors, size)."""
-        values = np.tile(self._middles, (len(x), 1))
+        values = np.tile([one.middle for one in self.parameters], (len(x), 1))
         for k in np.flatnonzero(x.any(axis=0)).tolist():  # most causes are absent
             values[:, k] = self.parameters[k].value(x[:, k])
         return values
-
-    @cached_property
-    def _middles(self) -> Array:
-        """Values of the parameters at coordinates of zero, shape (size,)."""
-        return np.array([float(one.value(np.zeros(1))[0]) for one in self.parameters])
 
     # ------------------------------------------------------------------------ rows
     @property

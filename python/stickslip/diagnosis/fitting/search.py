@@ -140,7 +140,8 @@ class Models:
         """Keep a fit if it is the best of its model."""
         key = new.names, new.form
         old = self.best.get(key)
-        if old is None or _is_better(new, old):
+        exact = new.form == "exact"  # costs compare only in one inner product
+        if old is None or (new.cost < old.cost if exact else new.log_evidence > old.log_evidence):
             self.best[key] = new
         return self.best[key]
 
@@ -240,13 +241,6 @@ def _linear(problem: Problem, form: Form, causes: Sequence[Cause], end: End) -> 
 def _is_near_data(problem: Problem, residual: Array) -> bool:
     """Whether a residual is below ten errors in the mean."""
     return float(np.sum(problem.chi2_of_tables(residual[None]))) < NEAR_DATA * len(problem.y)
-
-
-def _is_better(new: Fit, old: Fit) -> bool:
-    """Whether a fit of one model is to be kept; costs compare only in one inner product."""
-    if new.form == "exact":
-        return new.cost < old.cost
-    return new.log_evidence > old.log_evidence
 
 
 def recalibrated(problem: Problem, seed: int) -> tuple[Fit, list[End]]:

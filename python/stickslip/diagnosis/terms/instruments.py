@@ -45,11 +45,7 @@ _EVERY = slice(None)
 
 
 def scale(
-    size: float = 0.02,
-    *,
-    rows: Rows = _EVERY,
-    table: str | None = None,
-    name: str = "scale",
+    size: float = 0.02, *, rows: Rows = _EVERY, table: str | None = None, name: str = "scale"
 ) -> Cause:
     """A wrong calibration: readings are (1 + ``error``) times what they should be.
 
@@ -73,12 +69,7 @@ def _scaled(some: Array, error: Array) -> Array:
 
 
 def offset(
-    unit: str,
-    size: float,
-    *,
-    rows: Rows = _EVERY,
-    table: str | None = None,
-    name: str = "offset",
+    unit: str, size: float, *, rows: Rows = _EVERY, table: str | None = None, name: str = "offset"
 ) -> Cause:
     """A wrong zero: a ``shift`` in `unit`, that of the readings, is added to all of them.
 
@@ -125,11 +116,7 @@ def _clipped(some: Array, limit: Array) -> Array:
 
 
 def lag(
-    size: float,
-    *,
-    input: str | None = None,
-    table: str | None = None,
-    name: str = "lag",
+    size: float, *, input: str | None = None, table: str | None = None, name: str = "lag"
 ) -> Cause:
     """A first-order lag, with a ``time`` constant in s, of an input or of readings in time.
 
