@@ -234,7 +234,6 @@ def judge(result, what, cause, twins):
 
 
 @pytest.mark.parametrize("row", MACHINES, ids=ids(MACHINES))
-@pytest.mark.daily("joint", "axis", "oscillator", "thermal", "pendulum-hidden", "pendulum-clean")
 def test_a_machine(row):
     cause, size, twins, how = MACHINES[row]
     result = logged(row[0], cause, size, **how)
@@ -246,7 +245,6 @@ def test_a_machine(row):
 
 
 @pytest.mark.parametrize("row", WALKERS, ids=ids(WALKERS))
-@pytest.mark.daily("velocities", "angles", "fields", "film-hidden", "film-clean", "track-clean")
 def test_a_walker(row, tmp_path, monkeypatch):
     few_causes(monkeypatch, EFFECTS[row[0]])
     cause, twins, how = WALKERS[row]

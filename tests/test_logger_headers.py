@@ -1,7 +1,4 @@
-"""Headers as instruments and programs write them: each file opens, or its refusal says what to do.
-
-Written from the public descriptions of their formats.
-"""
+"""Headers as instruments and programs write them: each file opens, or its refusal says what to do."""
 
 import datetime
 
