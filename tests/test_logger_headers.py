@@ -1,4 +1,4 @@
-"""Headers as instruments and programs write them: each file opens, or its refusal says what to do."""
+"""Headers as instruments and programs write them: each file opens, or is told what to do."""
 
 import datetime
 

@@ -5,6 +5,8 @@ import pytest
 
 from stickslip import Series, Table, diagnose_model, models
 from stickslip._util.units import mistaken
+from stickslip.diagnosis.data.table import READINGS
+from stickslip.diagnosis.model import posed
 
 J, B, STEP = 0.012, 0.02, 0.01
 T = STEP * np.arange(150)
@@ -108,3 +110,16 @@ def test_a_model_of_ones_own_and_arrays_are_asked_the_same(tmp_path):
 def test_a_factor_of_two_units_has_its_words(ratio, words):
     said = mistaken(ratio, 0.02)
     assert words in said if words else not said
+
+
+@pytest.mark.parametrize("sd", [None, 0.1], ids=["told by a curve", "stated"])
+def test_errors_follow_readings_that_were_in_another_unit(sd):
+    t = 0.02 * np.arange(200)
+    noise = 0.1 * np.random.default_rng(0).standard_normal(200)
+    record = Series(t, np.sin(3.0 * t) + noise, {"torque": np.cos(t)}, sd=sd)
+    model = models.joint(inertia=0.1)
+    in_degrees, plain = (
+        posed(each, model, *model.terms(each)).sd
+        for each in (record.converted(READINGS, 57.3), record)
+    )
+    np.testing.assert_allclose(in_degrees, plain / 57.3, rtol=1e-9)

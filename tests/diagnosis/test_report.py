@@ -62,7 +62,7 @@ def test_each_verdict_has_a_page_of_its_numbers(results, kind, tmp_path):
     result = results[kind]
     numbers = numbers_of(result)
     assert numbers["verdict"] == kind
-    assert set(numbers) == KEYS
+    assert set(numbers) == KEYS - {"sides", "paired"}  # of a comparison alone
     html = page({**numbers, "origin": []}, figures_of(result), result.problem.words)
     html = re.sub(r"<(style|script).*?</\1>", "", html, flags=re.DOTALL)
     (tmp_path / "report.html").write_text(html)

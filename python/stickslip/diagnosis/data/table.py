@@ -413,13 +413,12 @@ class Table:
         if self.whole is not None:
             changes["whole"] = self.whole.converted(column, per, zero)
         if column == READINGS:
-            covariance = self.errors.covariance
-            changes |= {
-                "y": locked((self.y - zero) / per), "mean": locked((self.mean - zero) / per),
-                "errors": replace(self.errors, sd=self.errors.sd / per, covariance=
-                                  None if covariance is None else covariance / per**2),
-            }  # fmt: skip
-            return self.having(**changes)
+            errors = self.errors
+            changes["y"], changes["mean"] = (locked((y - zero) / per) for y in (self.y, self.mean))
+            sizes = {key: one / (per if key == "s0" else 1.0) for key, one in errors.sizes.items()}
+            covariance = None if errors.covariance is None else errors.covariance / per**2
+            made = replace(errors, sd=errors.sd / per, covariance=covariance, sizes=sizes)
+            return self.having(**changes, errors=made)
         values = locked((np.asarray(self[column]) - zero) / per)
         return self.having(settings={**self.settings, column: values}, **changes)
 
