@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from contextlib import contextmanager
 
 import numpy as np
 import pandas as pd
@@ -187,8 +188,14 @@ def test_the_field_by_hand():
     assert table["share"][14:].isna().all()
 
 
-@pytest.fixture(scope="module")
-def small():
+POINTS = pd.DataFrame(
+    [("fig12", "IPP", 50.0, 1e-3), ("fig13", "OPP", 9.0, 1e-3)],
+    columns=["figure", "mode", "x", "y"],
+)
+
+
+@contextmanager
+def small_study():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(study_module, "_OF_SURVEY", 1)
         patch.setattr(study_module, "_OF_FIGURES", 2)
@@ -196,16 +203,17 @@ def small():
         yield
 
 
-POINTS = pd.DataFrame(
-    [("fig12", "IPP", 50.0, 1e-3), ("fig13", "OPP", 9.0, 1e-3)],
-    columns=["figure", "mode", "x", "y"],
-)
+@pytest.fixture
+def small():
+    with small_study():
+        yield
 
 
 @pytest.fixture(scope="module")
-def study(small, tmp_path_factory):
+def study(tmp_path_factory):
     folder = tmp_path_factory.mktemp("study")
-    return reproduce(folder, points=POINTS, threads=2), folder
+    with small_study():
+        return reproduce(folder, points=POINTS, threads=2), folder
 
 
 @pytest.mark.nightly
@@ -317,8 +325,8 @@ def test_points_are_laid_over_their_figure(study):
 
 
 @pytest.mark.nightly
-def test_the_command_and_any_number_of_threads(study, tmp_path):
-    first, out = study[0], tmp_path / "out"
+def test_the_command_and_any_number_of_threads(study, small, tmp_path):
+    (first, folder), out = study, tmp_path / "out"
     done = stickslip("reproduce", "--out", out, "--only", "fig9, fig4", "--json", "--threads", 1)
     assert done.returncode == 0, done.stderr
     said = json.loads(done.stdout)
@@ -326,7 +334,7 @@ def test_the_command_and_any_number_of_threads(study, tmp_path):
     assert said["reference"]["OPP"]["drive.mode"] == "OPP"
     files = {"fig4.png", "fig4.csv", "fig9.png", "fig9.csv", "statements.csv", "settings.csv"}
     assert {each.name for each in out.iterdir()} == files
-    assert (out / "fig9.csv").read_bytes() == (study[1] / "fig9.csv").read_bytes()
+    assert (out / "fig9.csv").read_bytes() == (folder / "fig9.csv").read_bytes()
     done = stickslip("reproduce", "--out", out, "--only=fig6")
     lines = done.stdout.splitlines()
     assert lines[:2] == [f"{mode}  {setting}" for mode, setting in first.reference.items()]
