@@ -24,7 +24,7 @@ EXTRAS = {
 _DIAGNOSIS = (
     *("Cause", "Diagnosis", "Measurement", "Parameter", "Table", "diagnose", "diagnose_in_rounds"),
     *("Series", "diagnose_model", "events", "free_law", "instruments", "models"),
-    "read_measurement",
+    *("diagnose_change", "read_measurement"),
 )
 _NEEDED: dict[str, tuple[str, ...]] = {
     "Optimum": ("optimise",),

@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pandas import DataFrame
 
 from stickslip._util.arrays import Array, Indices
 from stickslip._util.messages import check_whole
@@ -152,7 +151,7 @@ class TwoSides(Rivals):
                        if not p.keys().isdisjoint((name, *(f"{name}[{one}]" for one in SIDES)))}
                 for k, side in enumerate(SIDES)}  # fmt: skip
 
-    def extended(self, values: Mapping[str, Any], covariance: DataFrame | None) -> Any:
+    def extended(self, values: Mapping[str, Any], covariance: Any) -> Any:
         each = zip(self.problems, self.sides(values).items(), strict=True)
         return {side: problem.rivals.extended(own, None) for problem, (side, own) in each}
 
