@@ -19,7 +19,6 @@ PROGRAMS = {
     "against": ("against", "this version beside an earlier commit (against COMMIT)"),
     "golden": ("golden", "whether the diagnosis says of 149 problems what it said before"),
     "interface": ("interface", "what changed in the public interface since a commit"),
-    "limit": ("limit.figures", "runs and a sweep beside a fixed program at equal error"),
     "peers": ("peers", "SciPy, heyoka, MuJoCo and magpylib at equal accuracy"),
     "blind": ("blind", "the blind study of the diagnosis: make, diagnose, judge, tables ..."),
     "made": ("made", "five kinds of made data with a known answer, diagnosed and judged"),

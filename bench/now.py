@@ -2,9 +2,10 @@
 
 Each part writes its figures into bench/now.json as they come, with the commit of the sources, the
 processor and the width of the packs. A part that ran out of its time goes on at the next call, at
-the same commit on the same machine; else it begins anew. CPU times are figures over the time of the
-fixed program of bench/limit, measured in turn, and in seconds beside. `--first` keeps the parts
-that are complete in bench/first.json, to which later figures are compared; what is there stays.
+the same commit on the same machine; else it begins anew. CPU times of diagnoses are figures over
+that of the best BIC on the same problem, and in seconds beside; those of runs and sweeps are
+measured by `python -m bench against`. `--first` keeps the parts that are complete in
+bench/first.json, to which later figures are compared; what is there stays.
 """
 
 from __future__ import annotations
@@ -19,27 +20,21 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from datetime import datetime, timezone
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import diagnoses
 import drawn_logs
 import drawn_tables
-from limit import Reference
-from limit.figures import PACKS, run_ratio, sweep_ratios
-from measure import FEWEST, MOST, ROOT, WIDTH, Figure, figure_of, filled, pin, processor, ratios
+from measure import ROOT, figure_of, processor, ratios
 from scores import interval
 from stale import digest, stale
-from works import WORKS
 
 HERE = Path(__file__).resolve().parent
 NOW, FIRST = HERE / "now.json", HERE / "first.json"
 REPEATS = 3  # of a diagnosis; chosen, as each takes up to minutes
-_OTHERS = 0.4  # of the time of the part on speed, for the sweeps at equal error; chosen
 TABLES, BATCH = 2000, 100  # sound tables in all, and between two looks at the clock
 SEED, CHANGES = 1, {"python": 40, "core": 20}  # drawn changes of the sources
 
@@ -53,35 +48,22 @@ class OutOfTime(Exception):
 
 @dataclass
 class Budget:
-    """When a part has to end, and how many samples a figure has at least and at most."""
+    """When a part has to end."""
 
     ends: float
-    fewest: int = FEWEST
-    most: int = MOST
-
-    @property
-    def left(self) -> float:
-        return self.ends - time.monotonic()
 
     def check(self) -> None:
-        if self.left <= 0.0:
+        if time.monotonic() >= self.ends:
             raise OutOfTime
 
 
 Part = Callable[[dict[str, Row], Budget], Iterator[tuple[str, Row]]]
 
 
-def cpu_row(
-    samples: Sequence[Sequence[float]], count: int = 1, rival: str = "fixed program"
-) -> Row:
-    """Of CPU seconds of a work, of which a figure is one of `count`, and of a rival's."""
-    seconds = figure_of([row[0] / count for row in samples])
-    figure = ratios([(row[0] / count, row[-1]) for row in samples])
-    return {"unit": rival, **figure._asdict(), "seconds": seconds._asdict()}
-
-
-def figure_row(found: dict[str, float], unit: str) -> Row:
-    return {"unit": unit, **{key: found[key] for key in Figure._fields}}
+def cpu_row(samples: Sequence[Sequence[float]], rival: str) -> Row:
+    """Of CPU seconds of a work and of a rival's."""
+    seconds = figure_of([row[0] for row in samples])
+    return {"unit": rival, **ratios(samples)._asdict(), "seconds": seconds._asdict()}
 
 
 def share_row(count: int, total: int) -> Row:
@@ -92,57 +74,6 @@ def share_row(count: int, total: int) -> Row:
 def number_row(value: float, unit: str) -> Row:
     """Of what has no scatter, or was measured once."""
     return {"unit": unit, "median": value, "low": value, "high": value, "n": 1}
-
-
-RUNS = ("run", "law", "laws", "curve", "plane", "program", "events", "swept", "alike")
-STEPS = ("stepped", "bare steps", "rolled out", "modes", "apart", "points", "replaced")
-BATCHES = ("batch of 8", "batch of 24", "batch of 190")
-SPEEDS = [
-    *((name, rtol) for name in RUNS for rtol in (1e-6, 1e-8)),
-    *((name, rtol) for name in BATCHES for rtol in (1e-4, 1e-6)),  # of a draft and of a fit
-    *((name, 1e-8) for name in STEPS),
-]
-
-
-def speed(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
-    """CPU time of each work, of one run, step, event or call.
-
-    All works take turns, each beside the fixed program: a machine drifts within minutes, and a
-    figure of one minute would be known better than it comes again.
-    """
-    pin()
-    pairs = budget.fewest, budget.most
-    names = {f"{name}, rtol {rtol:.0e}": (WORKS[name], rtol) for name, rtol in SPEEDS}
-    with closing(Reference()) as reference:
-        if not names.keys() <= done.keys():
-            takes = {each: filled(partial(work.call, rtol)) for each, (work, rtol) in names.items()}
-            turns: dict[str, list[list[float]]] = {each: [] for each in names}
-            wide, reserve = True, _OTHERS * budget.left
-            while wide and budget.left > reserve and len(next(iter(turns.values()))) < budget.most:
-                for each, take in takes.items():
-                    turns[each].append([take(), reference.seconds()])
-                few = len(next(iter(turns.values()))) < budget.fewest
-                wide = few or any(ratios(each).width > WIDTH for each in turns.values())
-            for each, (work, _) in names.items():
-                yield each, cpu_row(turns[each], work.count)
-        # At equal true error, as `bench limit` has them.
-        if "run at equal error" not in done:
-            budget.check()
-            yield "run at equal error", figure_row(run_ratio(reference, *pairs), "fixed program")
-        names = {f"speed of a sweep in {pack}": pack for pack in PACKS}
-        if not names.keys() <= done.keys():
-            budget.check()
-            found = sweep_ratios(reference, *pairs)
-            for name, pack in names.items():
-                yield name, figure_row(found[pack], "program's speed")
-
-
-@contextmanager
-def beside_program() -> Iterator[Callable[[float], list[float]]]:
-    """Turns CPU seconds of something long, in this context, into a sample with the program's."""
-    with closing(Reference()) as reference:
-        before = reference.seconds()
-        yield lambda seconds: [seconds, (before + reference.seconds()) / 2.0]
 
 
 def in_process(code: str) -> Any:
@@ -165,7 +96,7 @@ def diagnosis(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]
             budget.check()
             found = in_process(f"import diagnoses; diagnoses.main({name!r})")
             samples = [*row["samples"], found["cpu_seconds"]]
-            row = cpu_row(samples, rival="best BIC")
+            row = cpu_row(samples, "best BIC")
             yield name, {**row, "verdict": found["verdict"], "samples": samples}
             yield f"{name}, peak memory", number_row(found["memory"], "MB")
 
@@ -236,26 +167,25 @@ def _children(command: Sequence[str | Path], **variables: str) -> tuple[float, f
 
 def build(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
     """A clean build of the wheel."""
-    with tempfile.TemporaryDirectory() as folder, beside_program() as sample:
+    with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps"]
         command += ["--no-build-isolation", "-C", f"build-dir={folder}/build"]
         cpu, _ = _children([*command, "--wheel-dir", folder, "."], CCACHE_DISABLE="1")
-        yield "clean build of the wheel", cpu_row([sample(cpu)])
+        yield "clean build of the wheel", number_row(cpu, "CPU s")
 
 
 def tests(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
     """The tests in Python of `make test`, with as many processes as there are processors."""
     jobs = str(len(os.sched_getaffinity(0)))
     pytest = [sys.executable, "-m", "pytest", "-q", "-n", jobs, "--dist", "worksteal"]
-    with beside_program() as sample:
-        cpu, wall = _children(pytest)
-        yield "make test", cpu_row([sample(cpu)])
+    cpu, wall = _children(pytest)
+    yield "make test", number_row(cpu, "CPU s")
     yield "make test, by the clock", number_row(wall, f"s with {jobs} processes")
 
 
 PARTS: dict[str, Part] = {
-    "speed": speed, "diagnosis": diagnosis, "build": build, "tables": tables,
-    "logs": logs, "tests": tests, "mutations": mutations,
+    "diagnosis": diagnosis, "build": build, "tables": tables, "logs": logs, "tests": tests,
+    "mutations": mutations,
 }  # fmt: skip
 OF_VERDICTS = ("diagnosis", "tables")
 """Parts whose figures change with the diagnosis."""
@@ -349,8 +279,6 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m bench now", description=__doc__)
     parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(PARTS))
     parser.add_argument("--minutes", type=float, default=15.0, help="of each part")
-    parser.add_argument("--fewest", type=int, default=FEWEST, help="samples of a figure at least")
-    parser.add_argument("--most", type=int, default=MOST, help="and at most")
     parser.add_argument("--first", action="store_true", help="keep complete parts as the first")
     parser.add_argument("--out", type=Path, default=NOW)
     options = parser.parse_args()
@@ -361,7 +289,7 @@ def main() -> int:
     print(f"{'figure':42}{'first':>11}{'new':>11}{'ratio':>8}  95 % interval")
     for name in options.parts or PARTS:
         ends = time.monotonic() + 60.0 * options.minutes
-        measured(name, options.out, Budget(ends, options.fewest, options.most))
+        measured(name, options.out, Budget(ends))
     kept = read(options.out)
     for name in (each for each in OF_VERDICTS if each in kept):
         for said in stale([kept[name]] * len(kept[name]["rows"])):

@@ -4,14 +4,12 @@ import argparse
 import importlib.util
 import json
 import runpy
-import shutil
 import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
 
 import diagnoses
-import limit
 import lines
 import made
 import measure
@@ -22,9 +20,8 @@ import stale
 from blind import study
 from causes import tools
 from mutations.cpp import MUTATIONS
-from works import REFERENCE, WORKS, with_solver
+from works import WORKS
 
-import stickslip
 from stickslip.diagnosis.fitting.scatter import with_scatter
 from stickslip.diagnosis.model import posed
 
@@ -113,22 +110,22 @@ def test_parts_of_now_go_on_and_the_first_figures_stay(tmp_path, monkeypatch, ca
                 if name == "b":
                     budget.ends = 0.0
 
-    monkeypatch.setitem(now.PARTS, "speed", counted)
-    now.measured("speed", path, now.Budget(float("inf")))
-    part = now.read(path)["speed"]
+    monkeypatch.setitem(now.PARTS, "logs", counted)
+    now.measured("logs", path, now.Budget(float("inf")))
+    part = now.read(path)["logs"]
     assert (list(part["rows"]), part["complete"]) == (["a", "b"], False)
     assert now.keep_first(path) == 1
-    now.measured("speed", path, now.Budget(float("inf")))
+    now.measured("logs", path, now.Budget(float("inf")))
     assert made == ["a", "b", "c"]
-    assert now.read(path)["speed"]["complete"]
+    assert now.read(path)["logs"]["complete"]
     assert (now.keep_first(path), now.keep_first(path)) == (0, 1)
     # A complete part begins anew, and so does one of other sources.
-    for name in ("speed", "speed"):
+    for name in ("logs", "logs"):
         capsys.readouterr()
         now.measured(name, path, now.Budget(float("inf")))
         monkeypatch.setattr(now, "commit", lambda: "other")
     assert made == [*"abcababc"[:5], *"ab"]
-    assert now.read(first)["speed"]["rows"]["a"]["median"] == 1
+    assert now.read(first)["logs"]["rows"]["a"]["median"] == 1
     assert capsys.readouterr().out.split()[:4] == ["a", "1", "6", "6.000"]
 
 
@@ -142,7 +139,7 @@ SHOWN = [
     ("blind", ["blind", "tables", "{}"], OLD, 1),
     ("causes", ["causes", "score", "{}"], {"axis-00": {**ANSWER, "golden": GOLDEN},
                                            "axis-04": ANSWER}, 2),
-    ("now", ["now", "speed", "--out", "{}"], {"diagnosis": {**PART, "golden": GOLDEN}}, 2),
+    ("now", ["now", "logs", "--out", "{}"], {"diagnosis": {**PART, "golden": GOLDEN}}, 2),
 ]  # fmt: skip
 
 
@@ -151,7 +148,7 @@ def test_figures_of_other_verdicts_are_said_to_be_stale(
     name, arguments, record, rows, tmp_path, monkeypatch, capsys
 ):
     monkeypatch.setattr(stale, "VERDICTS", tmp_path / "verdicts.jsonl")
-    monkeypatch.setitem(now.PARTS, "speed", lambda done, budget: ())
+    monkeypatch.setitem(now.PARTS, "logs", lambda done, budget: ())
     path = tmp_path / "stickslip.json"
     monkeypatch.setattr(sys, "argv", [each.format(path) for each in arguments])
     module = runpy.run_path(str(ROOT / "bench" / "__main__.py"))["PROGRAMS"][name][0]
@@ -238,32 +235,3 @@ def test_each_text_that_a_mutation_replaces_is_in_its_file_once():
     for each in MUTATIONS:
         (path,) = (ROOT / "cpp" / "stickslip").rglob(each.file)
         assert path.read_text(encoding="utf-8").count(each.text) == 1, each
-
-
-@pytest.fixture(scope="module")
-def fixed_program():
-    if shutil.which("g++") is None:
-        pytest.skip("no g++")
-    reference = limit.Reference()
-    yield reference
-    reference.close()
-
-
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {},
-        {"mode": "OPP", "edge": "fall", "frequency": 30.0, "hold": 2.5e-3, "pulses": 20},
-        {"mode": "OPP", "base": 0.0, "hold": 2.5e-3, "clamp": "up", "pulses": 20},
-        # The body lies down in each pulse, and slides on its bottom.
-        {"mode": "OPP", "base": 0.0, "peak": 5e-4, "frequency": 3.0, "pulses": 5},
-    ],
-)
-@pytest.mark.nightly
-def test_the_fixed_program_has_the_physics_of_the_product(fixed_program, changes):
-    scenario = REFERENCE.replace({f"drive.{key}": value for key, value in changes.items()})
-    exact = stickslip.simulate(with_solver(scenario, 1e-11))
-    found = fixed_program.answer(1e-11, scenario)
-    assert found.x == pytest.approx(exact.final_state.x, rel=1e-6, abs=0.0)
-    assert found.mean_velocity == pytest.approx(exact.mean_velocity, rel=1e-6, abs=0.0)
-    assert found.events > 10

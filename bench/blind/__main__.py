@@ -24,6 +24,7 @@ from blind.writing import write_case
 
 OF_LOGS = {
     "own": (own.of_seed, own.tables, "sets of models of one's own"),
+    "clean": (own.of_clean, own.tables, "sets that hide nothing"),
     "twins": (twins.judged, twins.table, "logs of near twins"),
     "late": (late.judged, late.table, "logs whose input acts late"),
     "changes": (changes.judged, changes.table, "pairs of logs with one difference"),
