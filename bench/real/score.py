@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from time import process_time
 
 import numpy as np
+from causes.tools import TOOLS, Asked, ours
 from scores import CLAIMS, FEW
 
 from stickslip import Cause, Diagnosis
@@ -52,7 +53,8 @@ class Row:
     """A row of the table, as text.
 
     listed: Whether the causes that act were offered. alone: Mean absolute error of the model as it
-    is stated. judgement: See `judged`.
+    is stated. judgement: See `judged`. others: What the tools of `causes.tools` say of the same
+    problem, with the errors that the diagnosis found.
     """
 
     set: str
@@ -67,6 +69,7 @@ class Row:
     judgement: str
     reasons: tuple[str, ...]
     cpu_s: float
+    others: str
 
 
 def with_absent(
@@ -95,7 +98,20 @@ def row(measured: Measured, listed: bool = True) -> Row:
         judged(result, measured.truth),
         tuple(str(each) for each in verdict.reasons),
         round(used, 1),
+        _others(result, measured.truth),
     )
+
+
+def _others(result: Diagnosis, truth: Truth) -> str:
+    """Each other tool, what it names, and whether all of that acts."""
+    asked, said = Asked(result.problem, lambda: result, result.problem.sd), []
+    for name, tool in TOOLS.items():
+        if tool is not ours:
+            causes = tool(asked)["causes"]
+            strange = set(causes) - {*truth.present, *truth.possible}
+            word = "silent" if not causes else "wrong" if strange else "right"
+            said.append(f"{name}: {' + '.join(causes) or '-'} ({word})")
+    return "; ".join(said)
 
 
 def judged(result: Diagnosis, truth: Truth) -> str:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import runpy
 import sys
 from dataclasses import asdict, fields
 from functools import partial
@@ -25,9 +26,11 @@ from . import impacts, robots, slider
 from .flights import read_drops
 from .score import Measured, Row, Truth, row
 
-DATA = Path(__file__).parents[2] / "tests" / "data"
+HERE = Path(__file__).parent
+DATA = HERE.parents[1] / "tests" / "data"
 DROPS = DATA / "square_drops.csv.gz"
-NAMES = ("tumbler", "rollers", "axis", "tanks", "slider", "drops")
+MACHINES = {path.parent.name: path for path in sorted(HERE.glob("machines/*/machine.py"))}
+NAMES = ("tumbler", "rollers", "axis", "tanks", "slider", "drops", *MACHINES)
 WALKERS = ("tumbler", "rollers", "drops", "walk")
 
 AXIS = Truth(("viscous_asymmetry",), values={"viscous_asymmetry.half": (36.86, 0.87)})
@@ -61,6 +64,8 @@ def measured_sets(name: str, drops: Path = DROPS) -> list[Measured]:
     if name == "slider":
         slid = partial(slider.diagnose_slider, DATA / "slider_events.csv")
         return [Measured("slider", (1e3, "mN/N"), slider.TRUTH, slid)]
+    if name in MACHINES:
+        return list(runpy.run_path(str(MACHINES[name]))["SETS"])
     read = read_drops(drops)
     first = impacts.first_impacts(read)
     return [

@@ -308,13 +308,14 @@ def _real(results: dict[str, Any]) -> str:
             str(row["readings"]),
             *(_plain(row[key]) for key in ("verdict", "found", "size", "share", "gain")),
             row["judgement"],
+            _plain(row["others"]),
             f"{row['cpu_s']:.0f}",
         ]
         for row in results["rows"].values()
     ]
     header = [
         *("set", "cause listed", "readings", "verdict", "found", "size", "share"),
-        *("held-out error", "judgement", "CPU s"),
+        *("held-out error", "judgement", "other tools", "CPU s"),
     ]
     return _markdown_table(header, rows)
 
