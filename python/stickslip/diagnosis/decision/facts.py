@@ -329,7 +329,9 @@ class Facts:
         verdict, causes = self.verdict, self.verdict.causes
         probability = 0.0 if verdict.fit is None else self.probability_of(verdict.fit.names)
         if verdict.kind == "none":
-            causes = tuple(self.chance.causes)[:1]
+            # One that changes no reading of these data is as likely as it was before.
+            acts = {each.cause.name for each in self.findings.responses if each.gaps.any()}
+            causes = tuple(name for name in self.chance.causes if name in acts)[:1]
             probability = 1.0 - self.chance.none
         names = [self.words.title(name) for name in causes]
         return design.next_step(verdict, names, probability, self.rivals.unvaried()[:2])
