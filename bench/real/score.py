@@ -109,7 +109,8 @@ def _others(result: Diagnosis, truth: Truth) -> str:
         if tool is not ours:
             causes = tool(asked)["causes"]
             strange = set(causes) - {*truth.present, *truth.possible}
-            word = "silent" if not causes else "wrong" if strange else "right"
+            acts = "right" if set(causes) & set(truth.present) else "possible"
+            word = "silent" if not causes else "wrong" if strange else acts
             said.append(f"{name}: {' + '.join(causes) or '-'} ({word})")
     return "; ".join(said)
 

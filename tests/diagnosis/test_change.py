@@ -99,6 +99,20 @@ def test_a_difference_is_told_by_name_and_sign(name):
         assert apart == pytest.approx(wanted, abs=4.0 * result.params["sd"][first])
 
 
+def test_what_is_late_on_the_earlier_side_is_no_early_one_of_the_later():
+    without = [*FEW[:-1], "coulomb", "slow torque", "slow sensor"]
+    model = models.joint(inertia=(0.012, 6e-4), viscous=(0.05, 5e-3), without=without)
+    seen = log(1, np.concatenate([np.zeros(3), TORQUE[:-3]]))
+    result = diagnose_change(model, Series(T, seen.y, {"torque": TORQUE}, sd=0.05, unit="rad/s"),
+                             log(2))  # fmt: skip
+    assert (result.verdict.kind, result.verdict.causes) == ("named", ("late torque[before]",))
+    assert result.params["value"]["late torque.time[before]"] == pytest.approx(0.03, abs=3e-3)
+    # What adds has one sign on either side.
+    offered = {cause.name for cause in result.problem.causes}
+    assert "scale[after]" in offered
+    assert "scale[before]" not in offered
+
+
 @pytest.mark.nightly
 def test_twins_are_a_set():
     twins = diagnose_change(ROOM, room(1), room(2, loss=1.52))
