@@ -92,7 +92,9 @@ def row(measured: Measured, listed: bool = True) -> Row:
         verdict.kind,
         _found(result),
         _size(result, measured.truth),
-        "-" if verdict.share is None else f"{100.0 * verdict.share:.0f} %",
+        "-"
+        if verdict.share is None or np.isnan(verdict.share)
+        else f"{100.0 * verdict.share:.0f} %",
         _alone(result.problem, *measured.unit),
         _gain(result, *measured.unit),
         judged(result, measured.truth),
