@@ -39,8 +39,8 @@ function storyOf(changes, run) {
   if (run.status !== "ok") return { story: `The run ended early: ${run.message}.`, notes: [] };
   const { moves, goes_back, notes } = judged(changes, run);
   if (!moves) {
-    const still = "The robot stays in its place", [{ text }, ...others] = notes;
-    return { story: text.startsWith(still) ? text : `${still}. ${text}`, notes: others };
+    const still = "The robot stays in its place", [{ text } = { text: "" }, ...others] = notes;
+    return { story: text.startsWith(still) ? text : `${still}. ${text}`.trim(), notes: others };
   }
   const period = run.period, forward = run.mean_velocity * run.direction;
   const noseDown = run.theta_min + run.theta_max > 0;

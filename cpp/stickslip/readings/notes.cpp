@@ -4,13 +4,13 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <numbers>
 #include <set>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
+#include "stickslip/numbers/number_text.hpp"
 #include "stickslip/readings/note_rows.hpp"
 #include "stickslip/scenario/parameters.hpp"
 
@@ -21,23 +21,18 @@ namespace {
 constexpr std::int64_t kTriedPulses = 12;
 
 // What a value in SI units is multiplied by.
-constexpr std::array<std::pair<std::string_view, double>, 8> kUnits = {{
-    {"%", 100.0},
-    {"mT", 1e3},
-    {"mm/s", 1e3},
-    {"ms", 1e3},
-    {"degrees", 180.0 / std::numbers::pi},
-    {"nN", 1e9},
-    {"nN m", 1e9},
-    {"", 1.0},
-}};
+constexpr std::array<std::pair<std::string_view, double>, 7> kUnits = {
+    {{"%", 100.0},
+     {"mT", 1e3},
+     {"mm/s", 1e3},
+     {"ms", 1e3},
+     {"nN", 1e9},
+     {"nN m", 1e9},
+     {"degrees", 180.0 / std::numbers::pi}}};
 
 std::string number_text(double value, int digits, std::string_view unit) {
-    std::array<char, 40> text;
-    const int size = std::snprintf(text.data(), text.size(), "%.*g", digits, value);
-    std::string result(text.data(), static_cast<std::size_t>(size));
-    if (!unit.empty()) result.append(" ").append(unit);
-    return result;
+    const std::string text = by_printf::formatted("%.*g", digits, value);
+    return unit.empty() ? text : text + " " + std::string(unit);
 }
 
 /// A scenario's first pulses with the changes of a trial. Throws std::invalid_argument for a value
@@ -84,7 +79,7 @@ public:
                 tried_ = &tried;
                 return filled(row_.text);
             } catch (const std::invalid_argument&) {
-                // A value beyond its range.
+                continue;  // a value beyond its range
             }
         }
         return std::nullopt;
