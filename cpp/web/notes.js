@@ -14,7 +14,7 @@ const densityOf = (changes) => settingOf(changes, "robot.mass") / volumeOf(chang
 /** A setting by its label, and with a value if one is given. */
 function settingText(key, value) {
   const setting = SETTINGS.get(key);
-  if (!setting) return value === undefined ? key : `${key} = ${numberOf(value)} ${describe(key).unit}`;
+  if (!setting) return value === undefined ? key : withUnit(`${key} = ${numberOf(value)}`, describe(key).unit.replace("-", ""));
   if (setting.words) return value === undefined ? setting.label : `“${setting.label}: ${setting.words.find(([word]) => word === value)[1]}”`;
   const label = setting.label.split(",")[0].toLowerCase();
   return value === undefined ? label : withUnit(`${label} = ${numberOf(value / setting.scale)}`, setting.unit);
