@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 
 from stickslip import COIL_NAMES, Accelerations, Drive, Scenario, Waveform, simulate
+from stickslip._core import field_swing
 from stickslip.scenario.keys import IDLE, known_keys
-from stickslip.simulation.scenario_notes import field_swing, scenario_notes
+from stickslip.simulation.note import CODES
+from stickslip.simulation.note_table import TABLE
+from stickslip.simulation.scenario_notes import scenario_notes
 
 WEIGHT = 25.6e-9 * 9.81
 
@@ -54,6 +57,11 @@ def test_nonsense_gets_a_note(changes, code, value):
     notes = {note.code: note for note in scenario_notes(Scenario().replace(changes))}
     assert notes[code].value == pytest.approx(value, rel=1e-4)
     assert "\n" not in str(notes[code])
+
+
+def test_the_core_has_its_notes_in_the_order_of_all():
+    codes = [row["code"] for row in TABLE["notes"] if not row["code"].startswith("rest")]
+    assert codes == sorted(codes, key=CODES.index)
 
 
 # Which kinds of drive have a note with these changes, as far as a kind has their keys.

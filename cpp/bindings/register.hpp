@@ -11,5 +11,6 @@ void register_user_effect(pybind11::module_& module);
 void register_simulation(pybind11::module_& module);
 void register_simulator(pybind11::module_& module);
 void register_statics(pybind11::module_& module);
+void register_notes(pybind11::module_& module);
 
 }  // namespace stickslip::bindings

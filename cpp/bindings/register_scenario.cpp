@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "register.hpp"
+#include "stickslip/readings/notes.hpp"
 #include "stickslip/run/assembly.hpp"
 #include "stickslip/scenario/coils.hpp"
 #include "stickslip/scenario/free_shapes.hpp"
@@ -332,12 +333,6 @@ void set_forces(Scenario& scenario, const std::optional<Array>& rows) {
 VoltageProgram world_program(const Scenario& scenario) {
     const RobotFrame frame = frame_of(scenario);
     return frame.seen(make_program(scenario, frame));
-}
-
-/// The largest that the drive asks of each coil of the world's frame, V.
-PerCoil asked_voltages(const Scenario& scenario) {
-    const RobotFrame frame = frame_of(scenario);
-    return frame.seen(asked_program(scenario, frame)).largest_voltage();
 }
 
 /// f of an effect with a free shape, or of a law that is a curve, as an array of the shape of

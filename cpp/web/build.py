@@ -9,7 +9,6 @@ from __future__ import annotations
 import base64
 import gzip
 import hashlib
-import json
 import os
 import re
 import shutil
@@ -27,7 +26,6 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 PAGE = ROOT / "docs" / "play" / "index.html"
 BUILD = ROOT / "build" / "play"
-NOTES = ROOT / "python" / "stickslip" / "simulation" / "notes.toml"
 
 SCRIPTS = (
     "keys",
@@ -139,10 +137,9 @@ def fingerprint_of(page: str) -> str:
 
 
 def notes() -> str:
-    """The table of notes of the package, and its version."""
+    """The version, which the page notes at its end."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    table = json.dumps(tomllib.loads(NOTES.read_text(encoding="utf-8")), indent=1)
-    return f'const VERSION = "{project["version"]}";\nconst NOTES = {table};'
+    return f'const VERSION = "{project["version"]}";'
 
 
 def source(name: str) -> str:

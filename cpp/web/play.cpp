@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "stickslip/readings/note_rows.hpp"
 #include "stickslip/run/assembly.hpp"
 #include "stickslip/run/simulation.hpp"
 #include "stickslip/scenario/coils.hpp"
@@ -150,6 +151,51 @@ val measure(const val& changes) {
     });
 }
 
+/// What is to be said of a run, which `play` or `measure` gave: its notes, in words that `wording`
+/// finds as `Wording` does, whether it moves, and whether it goes back.
+val notes(const val& changes, const val& run, const val& wording) {
+    return or_error([&] {
+        Scenario scenario;
+        set_in(scenario, changes);
+        Summary summary;
+        for (const SummaryNumber& number : kSummaryNumbers) {
+            summary.*number.member = run[std::string(number.name)].as<double>();
+        }
+        for (std::size_t kind = 0; kind < kEventKinds; ++kind) {
+            const val count = run["events"][std::string(kEvents[kind].name)];
+            summary.events[kind] = static_cast<std::int64_t>(count.as<double>());
+        }
+        const bool ok = run["status"].as<std::string>() == "ok";
+        Wording words;
+        words.key = [&](std::string_view key) {
+            return wording.call<std::string>("key", std::string(key));
+        };
+        words.setting = [&](std::string_view key, const SettingValue& value) {
+            return std::visit(
+                [&](const auto& is) {
+                    return wording.call<std::string>("setting", std::string(key), is);
+                },
+                value);
+        };
+        words.number = [&](double value, int digits, std::string_view unit) {
+            return wording.call<std::string>("number", value, digits, std::string(unit));
+        };
+        val list = val::array();
+        for (const Note& note : run_notes(scenario, summary, ok, false, words)) {
+            val each = val::object();
+            each.set("code", std::string(note.code));
+            each.set("text", note.text);
+            list.call<void>("push", each);
+        }
+        const NoteFacts facts{.s = scenario, .run = summary, .ok = ok};
+        val out = val::object();
+        out.set("notes", list);
+        out.set("moves", facts.moves());
+        out.set("goes_back", facts.goes_back());
+        return out;
+    });
+}
+
 /// Default, unit and meaning of a numeric key.
 val describe(const std::string& key) {
     return or_error([&] {
@@ -184,6 +230,7 @@ val contact_names() {
 EMSCRIPTEN_BINDINGS(stickslip) {
     emscripten::function("play", &stickslip::play);
     emscripten::function("measure", &stickslip::measure);
+    emscripten::function("notes", &stickslip::notes);
     emscripten::function("describe", &stickslip::describe);
     emscripten::function("effectMeaning", &stickslip::effect_meaning);
     emscripten::function("contactNames", &stickslip::contact_names);

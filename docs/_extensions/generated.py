@@ -108,14 +108,14 @@ class ResultTable(SphinxDirective):
 
 
 class RunNotes(SphinxDirective):
-    """A table of the notes that `notes.toml` defines, with what their texts say of any run."""
+    """A table of the notes of the core, with what their texts say of any run."""
 
     def run(self) -> list[nodes.Node]:
         texts = {note["code"]: note["text"] for note in reversed(TABLE["notes"])}
         rows = []
         for code, text in reversed(texts.items()):
             words = re.sub(
-                r"\{(?!tried)(\w+\.\w+)[^}]*\}", r"\1", text
+                r"\{(\w+(?:\.\w+)+)(?:=[^}]*)?\}", r"\1", text
             )  # keys by name, numbers as dots
             rows.append([_code(code), _plain(re.sub(r"\{[^}]*\}", "…", words))])
         return self.parse_text_to_nodes(_markdown_table(["code", "what it says"], rows))

@@ -34,6 +34,9 @@ class _Effect(TypedDict):
     meaning: str
     source: str
 
+note_rows: list[dict[str, Any]]
+_Note = tuple[str, str, float | None]  # code, text, value
+
 _Block = tuple[NDArray[float64], NDArray[float64], int]
 
 def kernel() -> tuple[str, int]:
@@ -98,6 +101,14 @@ def probe_readings(
     points: NDArray[float64],
     currents: NDArray[float64],
 ) -> NDArray[float64]: ...
+def scenario_notes(scenario: Scenario) -> list[_Note]: ...
+def run_notes(
+    scenario: Scenario, numbers: Mapping[str, Any], ok: bool, cut: bool
+) -> list[_Note]: ...
+def count_notes(
+    base: Scenario, columns: Mapping[str, NDArray[generic]], pulses: NDArray[generic]
+) -> dict[str, int]: ...
+def field_swing(frequency: float, time_constant: float) -> float: ...
 def surface_directions(
     angles: NDArray[float64],
 ) -> tuple[NDArray[float64], NDArray[float64]]: ...

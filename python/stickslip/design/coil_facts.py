@@ -7,12 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stickslip import _core
 from stickslip._util.arrays import Array
 from stickslip._util.messages import check_above_zero, check_kind
 from stickslip.field.coils import Coils
 from stickslip.scenario.keys import COIL_NAMES, GEOMETRY
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.scenario_notes import field_swing, peak_voltages
+from stickslip.simulation.scenario_notes import peak_voltages
 
 ROOM = 5e-3
 """Side of the cube around the centre in which the fringe is told, m: where such robots walk."""
@@ -110,7 +111,7 @@ def coil_facts(
         heating = power * coil.resistance / (_COPPER * wire**2)
         most = min(volts / coil.resistance, math.inf if amperes is None else amperes)
         most = passes * most if math.isfinite(most) else math.nan
-        swing = field_swing(scenario.drive.frequency, tau) if is_sawtooth else math.nan
+        swing = _core.field_swing(scenario.drive.frequency, tau) if is_sawtooth else math.nan
         ends = (most, most * field, most * field * swing)
         held = (current, power, heating)
         facts[name] = CoilFacts(field, gradient, fringe, tau, resonance, *held, *ends)

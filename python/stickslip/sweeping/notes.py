@@ -7,10 +7,12 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from stickslip import _core
 from stickslip._util.note import Note
 from stickslip.errors import ScenarioError
 from stickslip.simulation.note import by_seriousness
-from stickslip.simulation.note_table import TABLE, holds, pulses_measured
+from stickslip.simulation.note_table import TABLE
+from stickslip.simulation.quantities import NUMBERS
 from stickslip.simulation.scenario_notes import scenario_notes
 from stickslip.sweeping.points import Points
 
@@ -21,18 +23,15 @@ def notes_of(points: Points, columns: Mapping[str, NDArray[Any]], things: str) -
     `columns` are those of the core by name, of all points. Notes on the scenario are those that do
     not depend on what is varied.
     """
-    pulses = pulses_measured(points.at_each("drive.pulses")).reshape(columns["status"].shape)
-    asked = points.scenario.record.pull_share
-    facts = {**columns, "measured_pulses": pulses, "record.pull_share": asked}
-    rows = [row for row in TABLE["notes"] if "many" in row]
-    beyond, texts = {}, {row["code"]: row["many"] for row in rows}
-    for row in rows:  # by numbers of a sweep alone
-        known = [condition for condition in row["when"] if condition.split()[0] in facts]
-        beyond[row["code"]] = holds(known, facts)
+    ok = columns["status"] == 0
+    pulses = points.at_each("drive.pulses").reshape(ok.shape)[ok]
+    numbers = {name: columns[name][ok] for name in NUMBERS if name in columns}
+    counts = _core.count_notes(points.scenario.to_core(), numbers, pulses)
     still = (columns["mean_velocity"] == 0.0) & (columns["mean_velocity_y"] == 0.0)
-    beyond["rest"] = still & (columns["theta_min"] == columns["theta_max"])
+    still &= columns["theta_min"] == columns["theta_max"]
+    counts["rest"] = int((still & ok).sum())
+    texts = {row["code"]: row["many"] for row in TABLE["notes"] if "many" in row}
     texts["rest"] = "the robot never moved; the notes of such a run alone say why"
-    counts = {code: int((holds & (columns["status"] == 0)).sum()) for code, holds in beyond.items()}
     notes = [
         Note(code, f"{count} of {points.count} {things}: {texts[code]}", float(count))
         for code, count in counts.items()
