@@ -125,10 +125,7 @@ class ReportKeys(SphinxDirective):
     """A table of the keys of a report's JSON object."""
 
     def run(self) -> list[nodes.Node]:
-        rows = [
-            [", ".join(map(_code, names.split(", "))), meaning]
-            for names, meaning in reference().items()
-        ]
+        rows = [[_code(key), meaning] for key, meaning in reference().items()]
         return self.parse_text_to_nodes(_markdown_table(["key", "value"], rows))
 
 

@@ -24,7 +24,7 @@ from stickslip.diagnosis.decision.gain import Gain
 from stickslip.diagnosis.decision.posterior import Posterior, posterior, share
 from stickslip.diagnosis.decision.test import Test, adequacy
 from stickslip.diagnosis.decision.verdict import Verdict
-from stickslip.diagnosis.fitting.problem import Problem
+from stickslip.diagnosis.fitting.problem import LOST, Problem
 from stickslip.diagnosis.fitting.responses import Response
 from stickslip.diagnosis.fitting.rivals import Forward, Rivals
 from stickslip.diagnosis.fitting.search import Models
@@ -243,6 +243,26 @@ class Facts:
         return frame("candidate", [fit.name for fit in fits], rows, columns)
 
     # ------------------------------------------------------------------ predictions
+    @cached_property
+    def places(self) -> list[dict[str, Any]]:
+        """Which reading each row is: `table`, `number` in it from 1, and `where` in words."""
+        return [
+            {"table": one.name, "number": number, "where": where}
+            for one in self.problem.parts
+            for number, where in enumerate(one.table.named_settings.words, start=1)
+        ]
+
+    @cached_property
+    def at_readings(self) -> dict[str, Array]:
+        """All readings as the stated, the recalibrated and the extended model have them, (n,)."""
+        if not self.fitted:
+            return {}
+        problem = self.problem
+        left = problem.residuals(np.zeros((1, problem.size)))[0]
+        stated = np.where(left == LOST * problem.sd, np.nan, problem.y - left)
+        fitted = {name: problem.y - model.fit.residual for name, model in self.candidates.items()}
+        return {"stated": stated, **fitted}
+
     def predict(self, conditions: Any) -> DataFrame:
         """Predictions of the fitted models at new conditions.
 

@@ -8,6 +8,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -51,6 +52,16 @@ _MOST_PREDICTED = 1 << 22  # numbers of predictions at once: 32 MiB; chosen
 
 # Numbers that the cache of predictions keeps, 16 MiB: those of some hundred fits of a large table.
 _MOST_CACHED = 1 << 21
+
+
+class Part(NamedTuple):
+    """A table of a problem, its rows, and what it and its readings are called."""
+
+    table: Table
+    rows: slice
+    name: str
+    title: str
+    errors: Errors
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -204,6 +215,12 @@ class Problem(OneLine):
     def titles(self) -> list[str]:
         """What the readings of each table are called."""
         return [table.title or f"table {k}" for k, table in enumerate(self.tables, start=1)]
+
+    @property
+    def parts(self) -> list[Part]:
+        """Each table with its rows and what it is called."""
+        columns = self.tables, self.rows, self.table_names, self.titles, self.errors
+        return list(itertools.starmap(Part, zip(*columns, strict=True)))
 
     @cached_property
     def y(self) -> Array:

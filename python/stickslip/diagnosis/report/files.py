@@ -65,8 +65,9 @@ def page(numbers: Mapping[str, Any], figures: Mapping[str, Any], vocabulary: Voc
     """The report of a `numbers_of` as one page that needs no other file."""
     text = page_text(
         "diagnosis/report/report.html.j2",
-        report=numbers,
+        r=numbers,
         figures=figures,
+        folds=[],
         a=amounts,
         w=Words(vocabulary),
         sure=SURE,

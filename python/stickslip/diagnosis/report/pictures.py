@@ -24,7 +24,7 @@ from stickslip._util.units import handy, in_handy_units
 from stickslip.diagnosis.data.settings import ROW
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.facts import Facts
-from stickslip.diagnosis.report.numbers import law_of, predictions
+from stickslip.diagnosis.report.sections.law import law_of
 from stickslip.errors import ScenarioError
 
 _COLOURS = {"stated": GREY, "recalibrated": BLUE, "extended": VERMILION, "nearest": DARK_GREY}
@@ -161,7 +161,7 @@ class Plots:
 
     @cached_property
     def _predicted(self) -> dict[str, Array]:
-        curves, subject = predictions(self._facts), self._facts.verdict.subject
+        curves, subject = dict(self._facts.at_readings), self._facts.verdict.subject
         if subject is not None and "extended" not in curves:
             curves["nearest"] = self._facts.problem.y - subject.residual
         return curves
