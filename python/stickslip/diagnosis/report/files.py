@@ -51,14 +51,10 @@ def save(facts: Facts, out: str | PathLike[str], title: str | None) -> None:
 
 
 def figures_of(facts: Facts) -> dict[str, Any]:
-    """What a page shows beside its numbers: `change`, a `fit` of each channel, and a `law`."""
-    plots, problem = Plots(facts), facts.problem
-    drawable = facts.fitted and any(table.drawable for table in problem.tables)
-    return {
-        "change": _svg(plots.residuals() if drawable else None),
-        "fit": {name: _svg(plots.fit(k)) for k, name in enumerate(problem.table_names)},
-        "law": _svg(plots.law()),
-    }
+    """What a page shows beside its numbers: see `Plots.of_page`."""
+    figures = Plots(facts).of_page()
+    fits = {name: list(map(_svg, each)) for name, each in figures.pop("fit").items()}
+    return {"fit": fits, **{name: list(map(_svg, each)) for name, each in figures.items()}}
 
 
 def page(numbers: Mapping[str, Any], figures: Mapping[str, Any], vocabulary: Vocabulary) -> str:

@@ -29,6 +29,7 @@ from stickslip.errors import ScenarioError
 
 _COLOURS = {"stated": GREY, "recalibrated": BLUE, "extended": VERMILION, "nearest": DARK_GREY}
 _MARKERS, _MOST_PANELS = "osD^v<>Ph*", 8
+_WIDTH = 4.9  # of a panel, inches: its letters can be read on a telephone
 _FEW = 3  # places of a setting below which nothing is seen over it
 _SAMPLES = 200  # points of a group from which on there are no signs and bars
 # Places between readings at which models are computed, and how far a model may be from what it is
@@ -74,7 +75,7 @@ class Plots:
                 for name, candidate in self._facts.candidates.items()
             }
             return shown.figure(self._facts.problem.names, looks) if looks else None
-        return _figure(self.panels(table, shown.named_settings.most_varied), self._draw)
+        return self._drawn(self._panels(table), False)
 
     @matplotlib.rc_context(PLAIN)
     def residuals(self, table: int | None = None) -> Figure:
@@ -84,8 +85,7 @@ class Plots:
         """
         k = self.main_table() if table is None else table
         self._table(k)
-        draw = partial(self._draw, base=self._predicted.get("recalibrated"))
-        return _figure(self.panels(k, self._best_setting(k)), draw)
+        return self._drawn(self._panels(k, True), True)
 
     @matplotlib.rc_context(PLAIN)
     def law(self) -> Figure | None:
@@ -93,7 +93,7 @@ class Plots:
         law = law_of(self._facts.best) if self._facts.fitted else None
         if law is None:
             return None
-        figure = Picture(figsize=(7.2, 3.2), layout="constrained")
+        figure = Picture(figsize=(_WIDTH, 3.2), layout="constrained")
         axes = figure.subplots()
         axes.spines[["top", "right"]].set_visible(False)
         axes.fill_between(law["at"], law["low"], law["high"], color=LIGHT_GREY, label="95 %")
@@ -114,7 +114,32 @@ class Plots:
                 figures[f"residuals-{name}"] = self.residuals(k)
         return figures | {"law": self.law()}
 
+    @matplotlib.rc_context(PLAIN)
+    def of_page(self) -> dict[str, Any]:
+        """Figures as narrow as a telephone: `change`, a `fit` of each table by name, and `law`.
+
+        Each panel of `residuals` and of `fit` is one by itself.
+        """
+        fits: dict[str, list[Figure | None]] = {}
+        for k, name in enumerate(self._facts.problem.table_names):
+            drawable = self._tables[k].drawable
+            fits[name] = [self._drawn([one], False) for one in self._panels(k)] if drawable else [
+                self.fit(k)]  # fmt: skip
+        k = self.main_table()
+        panels = self._panels(k, True) if self._facts.fitted and self._tables[k].drawable else []
+        change = [self._drawn([panel], True) for panel in panels]
+        return {"change": change, "fit": fits, "law": [self.law()]}
+
     # ---------------------------------------------------------------- panels of a table
+    def _panels(self, k: int, change: bool = False) -> list[Panel]:
+        """Those over the setting that varies most, or that shows a change by the cause best."""
+        settings = self._tables[k].named_settings
+        return self.panels(k, self._best_setting(k) if change else settings.most_varied)
+
+    def _drawn(self, panels: Sequence[Panel], change: bool) -> Figure:
+        base = self._predicted.get("recalibrated") if change else None
+        return _figure(panels, partial(self._draw, base=base))
+
     def panels(self, k: int, over: str) -> list[Panel]:
         """Rows of a table by words in panels, and by other settings in groups.
 
@@ -303,7 +328,7 @@ def _figure(panels: Sequence[Panel], draw: Any) -> Figure:
     """A figure with all panels, two in a row, and one legend."""
     columns = min(len(panels), 2)
     rows = math.ceil(len(panels) / columns)
-    size = max(7.2, 4.9 * columns), 0.8 + 3.0 * rows
+    size = _WIDTH * columns, 0.8 + 3.0 * rows
     figure = Picture(figsize=size, layout="constrained")
     frames = figure.subplots(rows, columns, squeeze=False).ravel()
     for axes, panel in zip(frames, panels, strict=False):
