@@ -16,9 +16,10 @@ from stickslip.diagnosis.data.errors import FEWEST, Errors, freedom, of_one_mete
 from stickslip.diagnosis.data.series import SMOOTH
 from stickslip.diagnosis.fitting.descent import End, end_at, in_step, precision_of, walk
 from stickslip.diagnosis.fitting.forms import Exact
+from stickslip.diagnosis.fitting.options import SEARCH
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.responses import responses
-from stickslip.diagnosis.fitting.search import APART, recalibrated, separated
+from stickslip.diagnosis.fitting.search import recalibrated, separated
 
 # Rounds of fit and scatter and steps of each; ends beside the recalibrated model about which single
 # causes are tried, steps of a look from each of them, looks that are followed, and looks of each
@@ -54,7 +55,7 @@ def with_scatter(problem: Problem, seed: int) -> Problem:
             tried[effect.cause.name] += 1
             if tried[effect.cause.name] <= _OF_CAUSE:
                 starts.append(effect.x)
-    apart = list(separated(starts, lambda x: x, APART))
+    apart = list(separated(starts, lambda x: x, SEARCH.apart))
     looks = _descended(problem, form, apart, _LOOK)
     starts = [look.x for look in looks[:_FOLLOWED]]
     for _ in range(_ROUNDS):
