@@ -10,6 +10,7 @@ from typing import Any
 import click
 from blind import own, scoring, study
 from docutils import nodes
+from report_keys import reference
 from scores import CLAIMS
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
@@ -17,7 +18,6 @@ from stale import VERDICTS, stale
 
 from stickslip import _core, effects
 from stickslip.cli.commands import loaded, stickslip
-from stickslip.diagnosis.report.numbers import reference
 from stickslip.scenario.keys import Key, known_keys
 from stickslip.simulation.note_table import TABLE
 

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from report_keys import WORDS, reference
 
 import films
 import made_findings as made
@@ -20,7 +21,7 @@ from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.entry import diagnose_model
 from stickslip.diagnosis.pipeline import run
 from stickslip.diagnosis.report.files import figures_of, page
-from stickslip.diagnosis.report.numbers import WORDS, numbers_of, reference
+from stickslip.diagnosis.report.numbers import numbers_of
 from stickslip.diagnosis.report.sections.data import notes_of
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.terms import amounts

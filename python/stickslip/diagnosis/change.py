@@ -51,15 +51,10 @@ _DIGITS = 6  # in which equal settings agree
 
 
 def diagnose_change(
-    predict: Predict,
-    before: Table | Sequence[Table],
-    after: Table | Sequence[Table],
-    uncertain: Sequence[Parameter] | None = None,
-    causes: Sequence[Cause] = (),
-    *,
-    seed: int = 0,
+    predict: Predict, before: Table | Sequence[Table], after: Table | Sequence[Table],
+    uncertain: Sequence[Parameter] | None = None, causes: Sequence[Cause] = (), *, seed: int = 0,
     progress: Progress | None = None,
-) -> Diagnosis:
+) -> Diagnosis:  # fmt: skip
     """Diagnose what changed between two logs, or sets of logs, of one machine.
 
     Constants are shared. A difference is ``name[after]`` or ``name[before]``: another value of a

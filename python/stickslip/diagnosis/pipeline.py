@@ -27,11 +27,9 @@ _BETTER = 1.0  # fall of the cost after which the recalibrated model is tested a
 
 
 def run(
-    problem: Problem,
-    seed: int,
-    say: Progress = lambda fraction, stage: None,
+    problem: Problem, seed: int, say: Progress = lambda fraction, stage: None,
     fault: Note | None = None,
-) -> Findings:
+) -> Findings:  # fmt: skip
     """All steps, one after another; where the data have a `fault`, no cause is looked for."""
     say(0.0, "recalibrating")
     null, ends = recalibrated(problem, seed)

@@ -158,10 +158,7 @@ def _exchanged(models: Models, fit: Fit, fits: Sequence[Fit]) -> list[Alike]:
     problem, form, pairs = models.problem, models.forms[fit.form], []
     for rival in fits:
         other = models.get(rival.names, fit.form) or rival
-        swapped = fit.names ^ other.names
-        if len(swapped) != 2 or len(other.names) != len(fit.names):
-            continue
-        cosine = abs(cosine_of_swap(models, fit, other))
+        cosine = abs(cosine_of_swap(models, fit, other)) if fit.swaps(other) else 0.0
         if cosine <= ALIKE:
             continue
         gap = fit.residual - other.residual
@@ -346,8 +343,7 @@ def _effects(problem: Problem, fit: Fit, response: Response, number: int) -> lis
     cause = response.cause
     if cause.is_constant:
         # A freed constant is moved by its wider prior.
-        names = [constant.name for constant in problem.constants]
-        gap = FREED[0] * fit.slopes[:, names.index(str(cause.frees))]
+        gap = FREED[0] * fit.slopes[:, problem.at(cause)]
         return [_Effect(cause.name, -1, FREED[0], (), number, 1.0, gap)]
     columns, free = problem.columns([cause]).tolist(), problem.free([cause]).tolist()
     amplitudes = [k for k in columns if problem.parameters[k].is_amplitude]

@@ -33,15 +33,7 @@ from stickslip.errors import ScenarioError
 
 
 class Measurement(Protocol):
-    """What a report says of measured files.
-
-    Attributes
-    ----------
-    name : str
-    files : sequence of path
-    left_out : sequence
-        Sentences on rows that are not used.
-    """
+    """What a report says of measured files; `left_out` are sentences on rows that are not used."""
 
     @property
     def name(self) -> str: ...

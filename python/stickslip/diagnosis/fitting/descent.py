@@ -86,19 +86,10 @@ def finished(problem: Problem, search: Asking[_Result]) -> _Result:
 
 
 def descend(
-    problem: Problem,
-    form: Form,
-    h: Array,
-    causes: Sequence[Cause],
-    x: Array,
-    *,
-    precision: Array | None = None,
-    steps: int = 10,
-    begin: End | None = None,
-    slopes: Array | None = None,
-    hopeless: float = np.inf,
-    draft: bool | None = None,
-) -> Asking[End]:
+    problem: Problem, form: Form, h: Array, causes: Sequence[Cause], x: Array, *,
+    precision: Array | None = None, steps: int = 10, begin: End | None = None,
+    slopes: Array | None = None, hopeless: float = np.inf, draft: bool | None = None,
+) -> Asking[End]:  # fmt: skip
     """The minimum of misfit and prior near `x`.
 
     Without `draft`, softened forms use the problem's draft, and others do not. `begin` is an end at
@@ -179,17 +170,10 @@ def descend(
 
 
 def walk(
-    problem: Problem,
-    form: Form,
-    h: Array,
-    causes: Sequence[Cause],
-    x: Array,
-    *,
-    hopeless: float = np.inf,
-    draft: bool | None = None,
-    precision: Array | None = None,
+    problem: Problem, form: Form, h: Array, causes: Sequence[Cause], x: Array, *,
+    hopeless: float = np.inf, draft: bool | None = None, precision: Array | None = None,
     **options: Any,
-) -> Asking[End]:
+) -> Asking[End]:  # fmt: skip
     """`descend`, and again from any move along a cause's fine coordinates that lowers the cost.
 
     An event's edge changes one reading alone, so its slope leads nowhere.
@@ -268,14 +252,9 @@ def step_within(curvature: Array, downhill: Array, low: Array, high: Array) -> A
 
 
 def derivatives(
-    problem: Problem,
-    x: Array,
-    free: Indices,
-    residual: Array,
-    draft: bool = False,
-    spread: Array | None = None,
-    central: bool = False,
-) -> Asking[Array]:
+    problem: Problem, x: Array, free: Indices, residual: Array, draft: bool = False,
+    spread: Array | None = None, central: bool = False,
+) -> Asking[Array]:  # fmt: skip
     """Slopes of the predictions by differences, shape (n, free).
 
     Differences are about as wide as what the data leaves open, `spread`. Where one shows a jump of

@@ -86,6 +86,10 @@ class Fit(OneLine):
         """Names of the causes, or ``none``."""
         return " + ".join(sorted(self.names)) or "none"
 
+    def swaps(self, other: Fit) -> bool:
+        """Whether another model has one other cause in place of one of these."""
+        return len(self.names ^ other.names) == 2 and len(self.names) == len(other.names)
+
     @property
     def end(self) -> End:
         """Where it is, to begin another descent of the same model."""
@@ -101,16 +105,9 @@ def log_prior(causes: Sequence[Cause], form: str, odds: float) -> float:
 
 
 def minimise(
-    problem: Problem,
-    form: Form,
-    causes: Sequence[Cause],
-    x: Array,
-    *,
-    h: Array | None = None,
-    slopes: Array | None = None,
-    hopeless: float = math.inf,
-    least: float = -math.inf,
-) -> Asking[Fit]:
+    problem: Problem, form: Form, causes: Sequence[Cause], x: Array, *, h: Array | None = None,
+    slopes: Array | None = None, hopeless: float = math.inf, least: float = -math.inf,
+) -> Asking[Fit]:  # fmt: skip
     """Fit a model from `x`: its coordinates in the inner product of h, and h at the coordinates.
 
     They take turns until the coordinates are at the minimum of the new inner product, until the

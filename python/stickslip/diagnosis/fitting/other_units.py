@@ -91,11 +91,9 @@ class _End:
 
 
 def unit_fault(
-    problem: Problem,
-    of: Callable[[Sequence[Table]], Problem],
-    known: Mapping[str, tuple[str, Sequence[str]]],
-    seed: int,
-) -> Note | None:
+    problem: Problem, of: Callable[[Sequence[Table]], Problem],
+    known: Mapping[str, tuple[str, Sequence[str]]], seed: int,
+) -> Note | None:  # fmt: skip
     """A note where readings are the stated model's in a unit that nobody stated; else None.
 
     Parameters
@@ -159,11 +157,9 @@ def _is_like(end: _End, problem: Problem, variance: float) -> bool:
 
 
 def _in_units(
-    problem: Problem,
-    of: Callable[[Sequence[Table]], Problem],
-    known: Mapping[str, tuple[str, Sequence[str]]],
-    seed: int,
-) -> Iterator[_Try]:
+    problem: Problem, of: Callable[[Sequence[Table]], Problem],
+    known: Mapping[str, tuple[str, Sequence[str]]], seed: int,
+) -> Iterator[_Try]:  # fmt: skip
     """Each other unit of each column that states none."""
     tables = problem.tables
     for column in dict.fromkeys(name for table in tables for name in table.unstated):

@@ -166,6 +166,10 @@ class Problem(OneLine):
         places = enumerate(self.names[len(self.constants) :], len(self.constants))
         return np.array([k for k, name in places if name in chosen], dtype=np.int64)
 
+    def at(self, cause: Cause) -> int:
+        """Coordinate of the constant that a cause frees."""
+        return self.names.index(str(cause.frees))
+
     def free(self, causes: Sequence[Cause]) -> Indices:
         """Coordinates that a model with these causes fits: the constants, and the causes' own."""
         return np.concatenate([np.arange(len(self.constants)), self.columns(causes)])
@@ -176,11 +180,10 @@ class Problem(OneLine):
         A model's evidence is the mean over them, of which there are several where a constant is
         freed or a cause is a law: see `Curve`.
         """
-        names, at = [constant.name for constant in self.constants], len(self.constants)
-        parts = [np.eye(len(self.free(causes)))]
+        at, parts = len(self.constants), [np.eye(len(self.free(causes)))]
         for cause in causes:
             if cause.frees is not None:
-                index = names.index(cause.frees)
+                index = self.at(cause)
                 widths: tuple[float, ...] = FREED
                 if cause.curve:  # a form has a level, which may be the stated one
                     widths = FREED[:1] if cause.has_knots else (1.0, FREED[0])

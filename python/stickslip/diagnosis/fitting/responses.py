@@ -65,15 +65,9 @@ class _Probe:
 
 
 def responses(
-    problem: Problem,
-    end: End,
-    causes: Sequence[Cause],
-    offered: Sequence[Cause],
-    form: Form,
-    h: Array,
-    sizes: Sequence[float] = AMPLITUDES,
-    draft: bool = False,
-) -> list[Response]:
+    problem: Problem, end: End, causes: Sequence[Cause], offered: Sequence[Cause], form: Form,
+    h: Array, sizes: Sequence[float] = AMPLITUDES, draft: bool = False,
+) -> list[Response]:  # fmt: skip
     """Responses of causes that are offered beside `causes`, which are fitted at `end`.
 
     By one batch of predictions, with `draft` of the problem's draft. `form` and `h` are the inner
@@ -160,13 +154,9 @@ def _places(problem: Problem, fine: Sequence[int], k: int) -> tuple[float, ...]:
 
 
 def _best(
-    problem: Problem,
-    end: End,
-    causes: Sequence[Cause],
-    probes: Sequence[_Probe],
-    gram: Array,
+    problem: Problem, end: End, causes: Sequence[Cause], probes: Sequence[_Probe], gram: Array,
     gaps: Array,
-) -> list[Response]:
+) -> list[Response]:  # fmt: skip
     """The amplitudes of the probes of a cause, within what is trusted, that lower the cost most.
 
     Of many probes, the best are returned.

@@ -257,12 +257,9 @@ def separated(
 
 
 def search(
-    models: Models,
-    ends: Sequence[End],
-    causes: Sequence[Cause],
-    say: Progress = lambda fraction, stage: None,
-    seed: int = 0,
-) -> None:
+    models: Models, ends: Sequence[End], causes: Sequence[Cause], say: Progress = lambda fraction,
+    stage: None, seed: int = 0,
+) -> None:  # fmt: skip
     """Fit the models that the data may come from, with `causes` that have no fit yet.
 
     `models` has the recalibrated one; `ends` are of `recalibrated`.
@@ -505,7 +502,7 @@ def _along(problem: Problem, cause: Cause, null: Fit) -> Asking[list[Array]]:
     recalibrated constants and two about the stated ones: a fit without the cause may have bent the
     others to where no descent leads back. For the same reason their priors do not rank.
     """
-    k = [constant.name for constant in problem.constants].index(str(cause.frees))
+    k = problem.at(cause)
     low, high = problem.limits[:, k]
     values = np.linspace(-SEARCH.widened, SEARCH.widened, SEARCH.places)
     values = values[(values >= low) & (values <= high)]

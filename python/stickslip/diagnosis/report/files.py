@@ -60,17 +60,10 @@ def figures_of(facts: Facts) -> dict[str, Any]:
 def page(numbers: Mapping[str, Any], figures: Mapping[str, Any], vocabulary: Vocabulary) -> str:
     """The report of a `numbers_of` as one page that needs no other file."""
     text = page_text(
-        "diagnosis/report/report.html.j2",
-        r=numbers,
-        figures=figures,
-        folds=[],
-        a=amounts,
-        w=Words(vocabulary),
-        sure=SURE,
-        adequate=ADEQUATE,
-        dominant=DOMINANT,
+        "diagnosis/report/report.html.j2", r=numbers, figures=figures, folds=[], a=amounts,
+        w=Words(vocabulary), sure=SURE, adequate=ADEQUATE, dominant=DOMINANT,
         drawing=lambda name, way: Markup(vocabulary.drawing(name, way)),
-    )
+    )  # fmt: skip
     # No line ends between a number and its sign or unit.
     units = r"(?<=\d) (?=(?:Hz|mT|mm/s|V|ms|s|N)\b)"
     inside = rf"{units}| (?=[%±])|(?<=\bp) (?=[=&])|(?<=\bp =) |(?<=\bp &lt;) "

@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-import ast
-import inspect
-import itertools
 from collections.abc import Mapping
 from html import unescape
-from textwrap import dedent
 from typing import Any, TypedDict, get_args, get_origin, get_type_hints
 
 from stickslip._util.html import VERSION, page_text
 from stickslip.diagnosis.decision.facts import Facts
-from stickslip.diagnosis.decision.verdict import Kind
-from stickslip.diagnosis.fitting.forms import PRIOR
 from stickslip.diagnosis.report.sections import (
     data,
     evidence,
@@ -27,16 +21,11 @@ from stickslip.diagnosis.report.sections import (
 from stickslip.diagnosis.terms import amounts
 from stickslip.diagnosis.terms.words import Vocabulary, Words
 
-WORDS = {"verdict": get_args(Kind), "form": tuple(PRIOR), "side": get_args(misfit.Side)}
-"""Words that a value of that name can be."""
-
 ALWAYS, FITTED = (verdict, next_step, data), (size, evidence, law, misfit, untold)
 """Sections of any diagnosis, and those of fitted models."""
 
 
 class Numbers(TypedDict, total=False):
-    """Numbers of the report as a whole."""
-
     name: str
     """Title of the report."""
     headline: str
@@ -53,21 +42,6 @@ class Numbers(TypedDict, total=False):
     """Of a comparison alone: the parameters of the model `before` and `after`, by name."""
     paired: bool
     """Of a comparison alone: whether differences of readings at equal settings were fitted."""
-
-
-def reference() -> dict[str, str]:
-    """The meaning of each key of the dictionary, in Markdown: the docstrings of all `Numbers`."""
-    texts: dict[str, str] = {}
-    for numbers in (Numbers, *(section.Numbers for section in (*ALWAYS, *FITTED))):
-        (of,) = ast.parse(dedent(inspect.getsource(numbers))).body
-        assert isinstance(of, ast.ClassDef)
-        for key, text in itertools.pairwise(of.body):
-            if isinstance(key, ast.AnnAssign) and isinstance(text, ast.Expr):
-                texts[ast.unparse(key.target)] = " ".join(ast.literal_eval(text.value).split())
-    for name, words in WORDS.items():
-        listed = ", ".join(f"`{word}`" for word in words)
-        texts = {key: text.replace(f"<{name}>", listed) for key, text in texts.items()}
-    return texts
 
 
 def numbers_of(facts: Facts, title: str | None = None) -> dict[str, Any]:

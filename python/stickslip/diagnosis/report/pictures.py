@@ -120,14 +120,14 @@ class Plots:
 
         Each panel of `residuals` and of `fit` is one by itself.
         """
-        fits: dict[str, list[Figure | None]] = {}
-        for k, name in enumerate(self._facts.problem.table_names):
-            drawable = self._tables[k].drawable
-            fits[name] = [self._drawn([one], False) for one in self._panels(k)] if drawable else [
-                self.fit(k)]  # fmt: skip
-        k = self.main_table()
-        panels = self._panels(k, True) if self._facts.fitted and self._tables[k].drawable else []
-        change = [self._drawn([panel], True) for panel in panels]
+
+        def each(k: int, change: bool) -> list[Figure | None]:
+            if not self._tables[k].drawable:
+                return [] if change else [self.fit(k)]
+            return [self._drawn([panel], change) for panel in self._panels(k, change)]
+
+        fits = {name: each(k, False) for k, name in enumerate(self._facts.problem.table_names)}
+        change = each(self.main_table(), True) if self._facts.fitted else []
         return {"change": change, "fit": fits, "law": [self.law()]}
 
     # ---------------------------------------------------------------- panels of a table

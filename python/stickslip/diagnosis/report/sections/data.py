@@ -18,8 +18,6 @@ ROUTINE = (
 
 
 class Numbers(TypedDict):
-    """Numbers of any diagnosis."""
-
     notes: list[dict[str, Any]]
     """What a reader should know besides, `{code, text, routine}`: those that nearly every report
     has (`routine`) come last."""

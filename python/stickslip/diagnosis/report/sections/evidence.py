@@ -18,8 +18,6 @@ MOST_NAMED = 3
 
 
 class Numbers(TypedDict):
-    """Numbers of fitted models."""
-
     p_value: float | None
     """Probability that noise alone leaves such a misfit of the recalibrated model."""
     ranking: list[dict[str, Any]]

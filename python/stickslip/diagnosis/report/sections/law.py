@@ -17,8 +17,6 @@ _POINTS = 41  # of a curve
 
 
 class Numbers(TypedDict):
-    """Numbers of fitted models."""
-
     law: dict[str, Any] | None
     """Of a law of another shape: `name`, its curve (`at`, `value`, `low` and `high`, which hold
     95 %, `unit` and `law_unit`), its `form`, the probabilities of its `forms`, and the `lines` that

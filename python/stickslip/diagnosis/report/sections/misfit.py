@@ -27,8 +27,6 @@ _STANDS_OUT, _A_WORD, _ONE_SIDED, _ENDS, _MOST_OF_IT = 4.0, 2.0, 0.9, 21, 0.5
 
 
 class Numbers(TypedDict):
-    """Numbers of fitted models."""
-
     recalibrated: dict[str, dict[str, Any]]
     """Of each uncertain parameter its prior in words (`before`), `stated`, `value`, `sd`, `low`,
     `high`, `pull`, and `extended` and `pull_extended` in the extended model."""

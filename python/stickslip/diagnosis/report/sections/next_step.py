@@ -10,8 +10,6 @@ from stickslip.diagnosis.terms import amounts
 
 
 class Numbers(TypedDict):
-    """Numbers of any diagnosis."""
-
     next: str
     """A sentence: whether the name is safe. With `--next`: `safe`, `why`, how many experiments are
     `proposed` now, have been `measured` and are the `budget`, and `table`, the path of the file to

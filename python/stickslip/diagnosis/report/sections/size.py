@@ -28,8 +28,6 @@ Rows = dict[str, dict[str, Any]]
 
 
 class Numbers(TypedDict):
-    """Numbers of fitted models."""
-
     parameters: Rows
     """`{"surface_tilt.angle": {value, sd, low, high, unit, prior, pull, title, before}, ...}` of
     the cause, `before` being the prior in words; `low` and `high` hold 95 %. For `ambiguous` those

@@ -17,8 +17,6 @@ _COMPARED = 12  # causes whose effects are compared
 
 
 class Numbers(TypedDict):
-    """Numbers of fitted models."""
-
     cannot_tell: dict[str, Any] | None
     """What these data cannot tell beside the model that is reported, null for `data-problem`:
     `alike`, causes (`told`: of the model) and `others` with similar effects beyond what the

@@ -10,8 +10,6 @@ from stickslip.diagnosis.decision.verdict import Kind
 
 
 class Numbers(TypedDict):
-    """Numbers of any diagnosis."""
-
     verdict: Kind
     """One of <verdict>."""
     cause: str | list[str] | None
