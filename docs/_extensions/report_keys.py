@@ -17,9 +17,9 @@ WORDS = {"verdict": get_args(Kind), "form": tuple(PRIOR), "side": get_args(Side)
 
 
 def reference() -> dict[str, str]:
-    """The meaning of each key of the dictionary, in Markdown: the docstrings of all `Numbers`."""
+    """The meaning of each key of the dictionary, in Markdown."""
     texts: dict[str, str] = {}
-    for section in (numbers, *numbers.ALWAYS, *numbers.FITTED):
+    for section in (*numbers.ALWAYS, *numbers.FITTED):
         (of,) = ast.parse(inspect.getsource(section.Numbers)).body
         for key, text in itertools.pairwise(of.body):
             if isinstance(key, ast.AnnAssign) and isinstance(text, ast.Expr):

@@ -311,10 +311,8 @@ class _Beside:
             lead = size2 * (1.0 - like)
             if like > ALIKE**2 and size2 > PARTS > lead:
                 gap = self._left(k, columns) * self.effects[k].usual
-                pair = one, other
-                pairs[frozenset(pair)] = _alike(
-                    self.models.problem, pair, math.sqrt(like), lead, lead, gap
-                )
+                pair, problem = (one, other), self.models.problem
+                pairs[frozenset(pair)] = _alike(problem, pair, math.sqrt(like), lead, lead, gap)
         return list(pairs.values())
 
     def _likest(self, k: int, other: str) -> tuple[float, list[int]]:

@@ -173,9 +173,8 @@ class Facts:
     def cannot_tell(self) -> CannotTell:
         """What these data cannot tell beside the model that is told."""
         self._refuse_without_models("cannot_tell")
-        return cannot_tell(
-            self.subject, self.recalibrated, self.findings.responses, self.chance.fits
-        )
+        fits, effects = self.chance.fits, self.findings.responses
+        return cannot_tell(self.subject, self.recalibrated, effects, fits)
 
     @property
     def candidates(self) -> dict[str, Candidate]:

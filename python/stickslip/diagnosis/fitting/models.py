@@ -167,10 +167,8 @@ def _fit(
 def sharpened(problem: Problem, form: Form, old: Fit) -> Asking[Fit]:
     """The same fit with central derivatives, and so a better evidence."""
     spread = np.sqrt(np.maximum(np.diag(old.covariance), 0.0))
-    slopes = yield from derivatives(
-        problem, old.x, old.free, old.residual, spread=spread, central=True
-    )
-    end = End(old.x, old.residual, slopes, math.nan)
+    where = problem, old.x, old.free, old.residual
+    end = End(old.x, old.residual, (yield from derivatives(*where, False, spread, True)), math.nan)
     return _fit(problem, form, old.causes, end, old.h)[0]
 
 

@@ -571,9 +571,8 @@ def _look_beside(models: Models, leader: Fit) -> None:
     most = SEARCH.most_causes - (problem.laws is not None)
     if len(leader.causes) < most and not _leaves_too_little(models, leader):
         bases = [(leader.causes, leader.end)]
-    smaller = [
-        tuple(other for other in leader.causes if other is not cause) for cause in leader.causes
-    ]
+    causes = leader.causes
+    smaller = [tuple(other for other in causes if other is not cause) for cause in causes]
     points = np.tile(leader.x, (len(smaller), 1))
     for x, cause in zip(points, leader.causes, strict=True):
         x[problem.columns([cause])] = 0.0

@@ -24,7 +24,7 @@ from stickslip._util.units import handy, in_handy_units
 from stickslip.diagnosis.data.settings import ROW
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.facts import Facts
-from stickslip.diagnosis.report.sections.law import law_of
+from stickslip.diagnosis.report.sections.size import law_of
 from stickslip.errors import ScenarioError
 
 _COLOURS = {"stated": GREY, "recalibrated": BLUE, "extended": VERMILION, "nearest": DARK_GREY}

@@ -67,10 +67,8 @@ def pulse(
     if not is_number(longest) or not 0.0 < longest < math.inf:
         refuse("longest", longest, "a time above 0, s")
     height, time = either_way(f"{name}.height", unit, size), _time(name, begin, end)
-    length = Parameter(
-        f"{name}.length", Prior("log-uniform", longest / 100.0, longest), unit="s", cause=False
-    )
-
+    prior = Prior("log-uniform", longest / 100.0, longest)
+    length = Parameter(f"{name}.length", prior, unit="s", cause=False)
     return _event((height, time, length), "a pulse", table, input, (begin, end + longest))
 
 

@@ -255,10 +255,8 @@ def marker_place(
     if (theta is None) == (angle is None):
         raise ScenarioError("theta, angle: allowed is one of them")
     known = np.empty(0) if angle is None else row("angle", angle, unit="rad")
-    parameters = tuple(
-        either_way(f"{name}.{word}", "m", size, largest) for word in ("along", "across")
-    )
-
+    words = "along", "across"
+    parameters = tuple(either_way(f"{name}.{word}", "m", size, largest) for word in words)
     read = partial(_marked, name, (x, z), theta, known)
     meaning = "another place of the tracked point on the body"
     return Cause(name, parameters, meaning, read=read, table=table)

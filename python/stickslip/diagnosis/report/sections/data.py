@@ -6,6 +6,7 @@ from typing import Any, TypedDict
 
 import numpy as np
 
+from stickslip._util.html import VERSION
 from stickslip._util.note import Note
 from stickslip.diagnosis.decision.facts import Facts
 from stickslip.diagnosis.terms import amounts
@@ -17,7 +18,23 @@ ROUTINE = (
 """Codes of notes that nearly every measurement has: the page has them last, the command never."""
 
 
-class Numbers(TypedDict):
+class Numbers(TypedDict, total=False):
+    name: str
+    """Title of the report."""
+    headline: str
+    """The verdict in a sentence."""
+    offered: int
+    """How many causes were tried."""
+    of_measurement: bool
+    """Whether the data are a measurement file."""
+    seed: int
+    """Of the random draws."""
+    version: str
+    """Of this package."""
+    sides: dict[str, dict[str, float]]
+    """Of a comparison alone: parameters of the model `before` and `after`, by name."""
+    paired: bool
+    """Of a comparison alone: whether differences at equal settings were fitted."""
     notes: list[dict[str, Any]]
     """What a reader should know besides, `{code, text, routine}`: those that nearly every report
     has (`routine`) come last."""
@@ -34,13 +51,19 @@ class Numbers(TypedDict):
 
 
 def numbers(facts: Facts) -> Numbers:
-    lost = [] if facts.measurement is None else list(map(str, facts.measurement.left_out))
+    source = facts.measurement
+    lost = [] if source is None else list(map(str, source.left_out))
+    sides = facts.rivals.sides(facts.best.params["value"].to_dict() if facts.fitted else {})
+    paired = any(table.less is not None for table in facts.problem.tables)
+    compared: Numbers = {"sides": sides, "paired": paired} if sides else {}
     return {
+        "name": "Diagnosis" if source is None else source.name,
+        "offered": len(facts.findings.models.offered), "of_measurement": source is not None,
+        "seed": facts.findings.seed, "version": VERSION,
         "notes": notes_of(facts),
         "left_out": [*lost, *(text for _, text in _of_tables(facts, "left_out"))],
-        "conditions": _conditions(facts),
-        "channels": _channels(facts),
-    }
+        "conditions": _conditions(facts), "channels": _channels(facts), **compared,
+    }  # fmt: skip
 
 
 def notes_of(facts: Facts) -> list[dict[str, Any]]:

@@ -21,9 +21,8 @@ class Numbers(TypedDict):
     p_value: float | None
     """Probability that noise alone leaves such a misfit of the recalibrated model."""
     ranking: list[dict[str, Any]]
-    """Every model that was fitted: `candidate`, `causes`, `log_evidence` above `none`,
-    `probability`, `chi2`, `p` of its lack of fit, `form` of its discrepancy, `share`, `odds` of
-    the leader against it."""
+    """Each model: `candidate`, `causes`, `log_evidence` above `none`, `probability`, `chi2`,
+    `p` of its lack of fit, `form` of its discrepancy, `share`, `odds` of the leader against it."""
     odds: dict[str, float] | None
     """`none`: the probability of the leader beside that of no cause; null without a leader."""
     runner_up: dict[str, Any] | None
@@ -33,10 +32,10 @@ class Numbers(TypedDict):
     log-likelihood, its `share` in all that speaks for the leader; of a pair two for each cause
     (`for`), against the other cause alone."""
     gain: dict[str, Any] | None
-    """Mean absolute error of held-out readings `before` and `after`, in standard errors, and
-    `mae_before` and `mae_after` of each table in its unit, and in `records` the worst first; 95 %
-    `interval` of the fall; `parts` that were held out; `told` is the table whose error changes
-    most; null without a leader or with too few conditions."""
+    """Mean absolute error of held-out readings `before` and `after`, in their errors, and of each
+    table in its unit (`mae_before`, `mae_after`; in `records` the worst first; `told`: the one that
+    changes most); 95 % `interval` of the fall; `parts` that were held out; null without a leader or
+    with too few conditions."""
 
 
 def numbers(facts: Facts) -> Numbers:
@@ -80,11 +79,8 @@ def _against(facts: Facts, fit: Fit, other: Fit) -> list[dict[str, Any]]:
     square = problem.whitened(np.stack([one.residual for one in pair], axis=1)) ** 2
     gain = 0.5 * (square[:, 1] - square[:, 0])
     whole = float(np.sum(gain[gain > 0.0]))
-    return [
-        {**facts.places[k], "difference": float(gain[k]), "share": float(gain[k]) / whole}
-        for k in np.argsort(-gain).tolist()[:MOST_NAMED]
-        if gain[k] > 0.0
-    ]
+    most = [(k, float(gain[k])) for k in np.argsort(-gain).tolist()[:MOST_NAMED] if gain[k] > 0.0]
+    return [{**facts.places[k], "difference": one, "share": one / whole} for k, one in most]
 
 
 def _gain(facts: Facts, gain: Gain) -> dict[str, Any]:

@@ -31,11 +31,9 @@ class Numbers(TypedDict):
     """Of each uncertain parameter its prior in words (`before`), `stated`, `value`, `sd`, `low`,
     `high`, `pull`, and `extended` and `pull_extended` in the extended model."""
     moved: dict[str, Any] | None
-    """The constant that the recalibrated model has moved farthest: `name`, `title`, `pull`; null
-    without constants."""
+    """The constant that the recalibrated model moved farthest: `name`, `title`, `pull`; or null."""
     misfit: list[dict[str, Any]]
-    """The three readings with the largest `share` of the recalibrated model's chi-square:
-    `where`."""
+    """The three readings with most of the recalibrated model's chi-square: `where`, `share`."""
     pattern: dict[str, Any] | None
     """For `unexplained`: the settings at which the recalibrated model misses most (`where`), how
     many `readings` `of` a `table`, their `share` of chi-square, on which `side` of the model
@@ -51,14 +49,13 @@ def numbers(facts: Facts) -> Numbers:
     pulls = {name: abs(row["pull"]) for name, row in rows.items()}
     name = max(pulls, key=lambda name: pulls[name], default="")
     square = np.ravel(facts.problem.whitened(residual[:, None])) ** 2
-    worst = np.argsort(-square).tolist()[:MOST_NAMED] if np.any(square) else []
+    total = np.sum(square)
+    worst = np.argsort(-square).tolist()[:MOST_NAMED] if total else []
     return {
         "recalibrated": rows,
         "moved": {"name": name, "title": facts.words.parameter(name), "pull": pulls[name]}
         if rows else None,
-        "misfit": [
-            {**facts.places[k], "share": float(square[k] / np.sum(square))} for k in worst
-        ],
+        "misfit": [{**facts.places[k], "share": float(square[k] / total)} for k in worst],
         "pattern": _pattern(facts, residual) if facts.verdict.kind == "unexplained" else None,
     }  # fmt: skip
 
@@ -93,7 +90,7 @@ def _pattern(facts: Facts, residual: Array) -> dict[str, Any] | None:
     one, region = found
     some = z[one.rows][region.rows]
     square = float(np.sum(some**2))
-    up = float(np.sum(some[some > 0.0] ** 2) / np.sum(some**2))
+    up = float(np.sum(some[some > 0.0] ** 2)) / square
     side: Side = "above" if up > _ONE_SIDED else "below" if up < 1.0 - _ONE_SIDED else "both"
     return {
         "table": one.name, "where": ", ".join(region.words), "side": side,
@@ -116,11 +113,10 @@ def _lead(left: Array, rows: Mask) -> float:
 
 def _few_in_words(settings: Settings, values: Array, few: Mask) -> list[str]:
     """Where single readings stand and what they are, of many the first."""
-    name, rows = settings.most_varied, np.flatnonzero(few).tolist()
-    places = [
-        f"row {k}" if name == ROW else settings.text(name, settings[name][0][k]) for k in rows
-    ]
-    readings = [f"{place} ({values[k]:g})" for place, k in zip(places, rows, strict=True)]
+    name, rows, readings = settings.most_varied, np.flatnonzero(few).tolist(), []
+    for k in rows:
+        place = f"row {k}" if name == ROW else settings.text(name, settings[name][0][k])
+        readings.append(f"{place} ({values[k]:g})")
     return [*readings[:MOST_NAMED], *(["..."] if len(rows) > MOST_NAMED else [])]
 
 

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any, TypedDict
 
 import numpy as np
 
-from stickslip._util.units import mistaken
-from stickslip.diagnosis.decision.candidate import Candidate
+from stickslip._util.units import mistaken, unit_label
+from stickslip.diagnosis.decision.candidate import Candidate, spread_of
 from stickslip.diagnosis.decision.facts import Facts
 from stickslip.diagnosis.decision.posterior import SURE
 from stickslip.diagnosis.decision.verdict import DOMINANT
 from stickslip.diagnosis.terms import amounts
 from stickslip.diagnosis.terms.cause import Cause
+from stickslip.diagnosis.terms.curve import CURVE, SHAPES, Curve
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.diagnosis.terms.words import of_side
 
+_POINTS = 41  # of the curve of a law
 _NO_NEWS = 0.9  # of its prior's error, from which on data tell nothing of a shape; chosen
 _FURTHER = 0.01  # probability from which on a further cause is named
 _MOST_OF_IT = 0.5  # share from which on a sure cause is said to act, with something beside it
@@ -29,9 +32,9 @@ Rows = dict[str, dict[str, Any]]
 
 class Numbers(TypedDict):
     parameters: Rows
-    """`{"surface_tilt.angle": {value, sd, low, high, unit, prior, pull, title, before}, ...}` of
-    the cause, `before` being the prior in words; `low` and `high` hold 95 %. For `ambiguous` those
-    that each model of the set has; empty for `unexplained`."""
+    """Of the cause by name, such as `surface_tilt.angle`: `value`, `sd`, `low` and `high` (95 %),
+    `unit`, `prior`, `pull`, `title`, and the prior in words (`before`). For `ambiguous` those of
+    each model of the set; empty for `unexplained`."""
     claimed: list[dict[str, Any]]
     """The models of the verdict in words, each with its `probability` and `causes`."""
     leader: dict[str, Any] | None
@@ -42,6 +45,10 @@ class Numbers(TypedDict):
     """What is left beside the cause: `form` (<form>) and, unless that is `exact`, `kappa`, the
     scatter in the stated errors, `size` of each table in its unit, `correlation` in readings of a
     run, `length` in half the range of a setting."""
+    law: dict[str, Any] | None
+    """Of a law of another shape: `name`, its curve (`at`, `value`, `low` and `high`, which hold
+    95 %, `unit` and `law_unit`), its `form`, the probabilities of its `forms`, and the `lines` that
+    state it; else null."""
 
 
 def numbers(facts: Facts) -> Numbers:
@@ -59,6 +66,7 @@ def numbers(facts: Facts) -> Numbers:
         "claimed": [_claim(facts, candidate) for candidate in members],
         "leader": None if verdict.subject is None else _leader(facts, facts.subject),
         "discrepancy": facts.subject.left,
+        "law": law_of(facts.subject),
     }
 
 
@@ -167,3 +175,44 @@ def _left(facts: Facts, candidate: Candidate) -> list[str]:
         text += f" ({amounts.percent(size / level)} of their mean)" if 0.0 < size < level else ""
         texts.append(f"{text}, beyond the readings' errors of {errors} {unit}".rstrip())
     return texts
+
+
+def law_of(candidate: Candidate) -> dict[str, Any] | None:
+    """A law of another shape with its 95 % band, the probabilities of its forms, and its lines."""
+    problem, fit = candidate.models.problem, candidate.fit
+    cause = next((cause for cause in fit.causes if cause.curve is not None), None)
+    if cause is None or cause.curve is None:
+        return None
+    curve, values = cause.curve, candidate.values()
+    at, columns = np.linspace(curve.low, curve.high, _POINTS), values[:, problem.columns([cause])]
+    law = curve.at(at[None, :], columns)
+    base = np.full(len(values), curve.stated)
+    if curve.relative:
+        if curve.constant is not None:
+            base = values[:, problem.names.index(curve.constant)]
+        law = base[:, None] * (1.0 + law)
+    half = 1.96 * np.sqrt(np.diag(spread_of(law)))
+    sizes = dict(zip(cause.names, columns[0].tolist(), strict=True))
+    return {
+        "name": curve.name, "law": curve.law if curve.relative else f"change of {curve.law}",
+        "law_unit": curve.law_unit, "argument": curve.argument, "unit": curve.unit,
+        "at": at.tolist(), "value": law[0].tolist(), "low": (law[0] - half).tolist(),
+        "high": (law[0] + half).tolist(), "form": curve.form,
+        "forms": candidate.models.of_forms.get(fit.names, {curve.form: 1.0}),
+        "lines": _lines(curve, float(base[0]), sizes),
+    }  # fmt: skip
+
+
+def _lines(curve: Curve, base: float, sizes: Mapping[str, float]) -> list[str]:
+    """A law as a scenario states it; that of a model of one's own as a formula, if it has one."""
+    if curve.statement is not None:
+        return curve.statement.lines(sizes)
+    if curve.form == CURVE:
+        return []
+    a, scale = [*sizes.values(), curve.reach][:2]
+    text, unit = f"{amounts.number(a)} {SHAPES[curve.form].text}", unit_label(curve.law_unit)
+    right = f"{amounts.number(base)} {unit}".rstrip() + f" (1 + {text})"
+    right = right if curve.relative else f"{text} {unit}".rstrip()
+    less = f"({curve.argument} - {amounts.number(curve.origin)})"
+    length = f"{amounts.number(scale)} {unit_label(curve.unit)}".rstrip()
+    return [f"{curve.law} = {right}, u = {less if curve.origin else curve.argument} / {length}"]

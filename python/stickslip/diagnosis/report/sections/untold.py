@@ -18,17 +18,15 @@ _COMPARED = 12  # causes whose effects are compared
 
 class Numbers(TypedDict):
     cannot_tell: dict[str, Any] | None
-    """What these data cannot tell beside the model that is reported, null for `data-problem`:
-    `alike`, causes (`told`: of the model) and `others` with similar effects beyond what the
-    constants undo (`cosine` above 0.9), with the chi-square that tells them apart (`lead`, `parted`
-    above 11.8), how many times these readings would (`more`; null: no number), and the reading at
-    which they differ most (`where`), by how many of its errors (`apart`); `combinations` of
-    `parameters`, of which only some are `known` (`kind`, `expression`, `weights`, `value`, `sd`,
-    `unit`); causes that would be `hidden` by `constants`; parameters of which the data tell less
-    than was stated (`silent`)."""
+    """What these data cannot tell, null for `data-problem`: `alike`, confounded causes (`told`: of
+    the model) and `others` with similar effects beyond what the constants undo (`cosine` above
+    0.9), the chi-square that tells them apart (`lead`, `parted` above 11.8), how many times these
+    readings would (`more`; null: no number), the reading at which they differ most (`where`), by
+    how many of its errors (`apart`); `combinations` of `parameters`, of which only some are `known`
+    (`kind`, `expression`, `weights`, `value`, `sd`, `unit`); causes that would be `hidden` by
+    `constants`; parameters of which the data tell less than was stated (`silent`)."""
     cosines: list[dict[str, Any]]
-    """Of each leading cause how alike its effect on these data can be to those of the causes before
-    it, from 0 to 1."""
+    """Of each leading cause how like its effect can be to that of each before it, 0 to 1."""
     bounds: dict[str, dict[str, Any]]
     """Of each cause that is not in the model: 95 % upper limit of each parameter's magnitude, and
     for a limit that acts as it falls (`amplifier_limit.voltage`) the lowest that could be; of a

@@ -12,8 +12,7 @@ from stickslip.diagnosis.terms import amounts
 class Numbers(TypedDict):
     next: str
     """A sentence: whether the name is safe. With `--next`: `safe`, `why`, how many experiments are
-    `proposed` now, have been `measured` and are the `budget`, and `table`, the path of the file to
-    fill in, null if nothing is proposed."""
+    `proposed`, `measured` and the `budget`, and `table`, the file to fill in, or null."""
     left: float | None
     """For `none`: the probability that a cause is there all the same, from 0.1 on; else null."""
     next_experiments: list[dict[str, Any]]
