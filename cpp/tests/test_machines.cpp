@@ -48,8 +48,9 @@ TEST_CASE("machines: two inputs of a heater act late, each by its own time") {
     const std::array<double, 2> knots = {0.0, 1.0};
     const std::array<double, 6> values = {0.0, 0.0, 3.0, 0.0, 3.0, 4.0};
     const std::vector<double> times = {0.0, 1.0, 2.0, 3.0};
-    const auto held = followed(HeatStores<false, false>(terms), {0.0}, times,
-                               {knots, values.data(), {0.5, 1.25}, false});
+    const double start = 0.0;
+    std::array<double, 4> held = {};
+    Heat::write(terms, &start, times, {knots, values.data(), {0.5, 1.25}, false}, held.data());
     const auto rise = [](double time) { return 1.0 - std::exp(-0.25 * std::fmax(time, 0.0)); };
     for (std::size_t k = 0; k < times.size(); ++k) {
         const double expected = 6.0 * rise(times[k] - 0.5) + 4.0 * rise(times[k] - 2.25);
