@@ -57,3 +57,23 @@ TEST_CASE("machines: two inputs of a heater act late, each by its own time") {
         CHECK(std::abs(held[k] - expected) < 1e-12);
     }
 }
+
+TEST_CASE("machines: a body whose loss grows is exact, with a heater that holds next to nothing") {
+    HeatTerms terms = {100.0, 1.2, 0.02};
+    const double power = 60.0, start = 293.0, root = std::sqrt(1.2 * 1.2 + 4.0 * 0.02 * power);
+    const std::array<double, 1> knots = {0.0};
+    const std::array<double, 4> values = {power, start, power, start};
+    const std::vector<double> times = {0.0, 0.1, 10.0, 40.0, 1000.0};
+    for (const double heater : {0.0, 1e-9}) {
+        terms.heater = heater;
+        terms.coupling = 1e3;
+        std::array<double, 5> body = {};
+        Heat::write(terms, &start, times, {knots, values.data(), {}, false}, body.data());
+        for (std::size_t k = 1; k < times.size(); ++k) {
+            // C y' = P - L y - G y^2 from y = 0.
+            const double rise = std::tanh(root * times[k] / (2.0 * terms.capacity));
+            const double over = 2.0 * power * rise / (root + 1.2 * rise);
+            CHECK(std::abs(body.at(k) - start - over) < 1e-8);
+        }
+    }
+}
