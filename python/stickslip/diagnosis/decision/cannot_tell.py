@@ -343,14 +343,12 @@ def _effects(problem: Problem, fit: Fit, response: Response, number: int) -> lis
         # A freed constant is moved by its wider prior.
         gap = FREED[0] * fit.slopes[:, problem.at(cause)]
         return [_Effect(cause.name, -1, FREED[0], (), number, 1.0, gap)]
-    columns, free = problem.columns([cause]).tolist(), problem.free([cause]).tolist()
+    columns = problem.columns([cause]).tolist()
     amplitudes = [k for k in columns if problem.parameters[k].is_amplitude]
     shape = tuple(response.x[[k for k in columns if k not in amplitudes]].tolist())
     effects = []
-    for k, gap in zip(amplitudes, response.gaps, strict=True):
-        slope = float(gap @ response.slopes[:, free.index(k)])
-        # The amplitude at which a response was taken makes its gap of its slope.
-        u = float(gap @ gap) / slope if slope else 0.0
+    for k, gap, value in zip(amplitudes, response.gaps, response.values.tolist(), strict=True):
+        u = value if gap.any() else 0.0
         parameter = problem.parameters[k]
         usual = _distance(parameter, math.copysign(1.0, u)) / (_distance(parameter, u) or 1.0)
         effects.append(_Effect(cause.name, k, u, shape, number, usual, gap))

@@ -8,10 +8,9 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
-from pandas import DataFrame
 
 from stickslip._util.arrays import Array
 from stickslip._util.messages import check_whole, meant, refuse
@@ -30,6 +29,9 @@ from stickslip.diagnosis.fitting.rivals import Forward, Rivals
 from stickslip.diagnosis.fitting.search import Models
 from stickslip.diagnosis.terms.words import Words
 from stickslip.errors import ScenarioError
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 
 class Measurement(Protocol):
@@ -277,13 +279,15 @@ class Facts:
             If the data allow no diagnosis, a setting is not allowed, or the measurement has no
             readings of the kind that is predicted.
         """
+        import pandas as pd
+
         self._refuse_without_models("predict")
         at, settings = self.rivals.conditions(conditions)
         for name, candidate in self.candidates.items():
             made = self._predicted(candidate, at)
             sd = np.sqrt(np.diag(spread_of(made)))
             settings |= {name: made[0].tolist(), f"{name}_sd": sd.tolist()}
-        return DataFrame(settings)
+        return pd.DataFrame(settings)
 
     def separate(self, conditions: Any) -> DataFrame | None:
         """How well the leading models could be told apart at conditions not measured yet.
@@ -303,6 +307,8 @@ class Facts:
         candidates, pairs = self._rivals
         if not pairs:
             return None
+        import pandas as pd
+
         at, settings = self.rivals.conditions(conditions)
         level, covariance, noise = self._apart(candidates, at)
         chi2 = design.expected_chi2(level, covariance, noise, pairs)
@@ -313,7 +319,7 @@ class Facts:
         for k, candidate in enumerate(candidates):
             sd = np.sqrt(np.diagonal(covariance[k]))
             settings |= {candidate.name: level[k].tolist(), f"{candidate.name}_sd": sd.tolist()}
-        return DataFrame(settings)
+        return pd.DataFrame(settings)
 
     def propose_experiments(self, count: int = design.PROPOSED) -> list[design.Experiment]:
         """The conditions that would tell the leading models apart best, each of another kind.

@@ -82,15 +82,7 @@ def unit_fault(
 ) -> Note | None:  # fmt: skip
     """A note where readings are the stated model's in a unit that nobody stated; else None.
 
-    Parameters
-    ----------
-    problem : Problem
-    of : callable
-        The problem of other tables.
-    known : mapping
-        What columns are called in words, and their SI units, by name.
-    seed : int
-        Of the points of the priors.
+    `of` makes the problem of other tables; `known` has what columns are called, and their SI units.
     """
     if len(problem.y) < len(problem.constants) + FEWEST:
         return None

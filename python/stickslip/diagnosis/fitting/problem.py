@@ -48,7 +48,7 @@ searched, of a shape where its prior leaves out one in 400. Chosen."""
 HUGE = 1e100
 """Size of a prediction beyond which it is as good as none: its square overflows."""
 
-_MOST_PREDICTED = 1 << 22  # numbers of predictions at once: 32 MiB; chosen
+_MOST_PREDICTED = 1 << 20  # numbers of predictions at once: 8 MiB; chosen
 
 # Numbers that the cache of predictions keeps, 16 MiB: those of some hundred fits of a large table.
 _MOST_CACHED = 1 << 21

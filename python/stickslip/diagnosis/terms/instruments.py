@@ -316,16 +316,9 @@ def read_by(
 
     Vectors that differ in the instruments alone share a prediction.
 
-    Parameters
-    ----------
-    causes : sequence of Cause
-        Those with a `read` act one after another, if `names` has their parameters.
-    names : sequence of str
-    values : ndarray, shape (vectors, names)
-    physics : callable
-        ``physics(names, values)`` predicts what a perfect instrument reads.
-    table : Table
-        What is read.
+    Those of the `causes` that read `table` act one after another, if `names` has their parameters;
+    `values` have the shape (vectors, names). ``physics(names, values)`` predicts what a perfect
+    instrument reads.
     """
     acting = [cause for cause in causes if cause.read and cause.parameters[0].name in names]
     if not acting:
