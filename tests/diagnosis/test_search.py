@@ -23,13 +23,8 @@ from stickslip.diagnosis.fitting.forms import forms
 from stickslip.diagnosis.fitting.models import minimise
 from stickslip.diagnosis.fitting.options import DESCENT, SEARCH, vary
 from stickslip.diagnosis.fitting.responses import responses
-from stickslip.diagnosis.fitting.search import (
-    Models,
-    _fit_singles,
-    _look_beside,
-    recalibrated,
-    search,
-)
+from stickslip.diagnosis.fitting.search import Models, _fit_singles, _look_beside, search
+from stickslip.diagnosis.fitting.starts import recalibrated
 from stickslip.diagnosis.model import posed
 from stickslip.diagnosis.pipeline import run
 from stickslip.diagnosis.terms.laws import free_law

@@ -29,7 +29,8 @@ from stickslip.diagnosis.entry import diagnosed, fault_of, one_blas_thread, prep
 from stickslip.diagnosis.fitting.problem import Cached, Problem
 from stickslip.diagnosis.fitting.rivals import Rivals
 from stickslip.diagnosis.fitting.scatter import with_scatter
-from stickslip.diagnosis.fitting.search import Progress, recalibrated
+from stickslip.diagnosis.fitting.search import Progress
+from stickslip.diagnosis.fitting.starts import recalibrated
 from stickslip.diagnosis.model import Predict, tables_in, without_effect
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.terms.cause import Cause

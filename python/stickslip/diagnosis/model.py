@@ -24,7 +24,7 @@ from stickslip.diagnosis.data.table import Table, rows_in_words
 from stickslip.diagnosis.fitting.fineness import with_measured_fineness
 from stickslip.diagnosis.fitting.problem import HUGE, Cached, Problem
 from stickslip.diagnosis.fitting.rivals import Rivals
-from stickslip.diagnosis.fitting.search import recalibrated
+from stickslip.diagnosis.fitting.starts import recalibrated
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.instruments import read_by
 from stickslip.diagnosis.terms.laws import Curves, beside_constants

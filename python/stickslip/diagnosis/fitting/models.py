@@ -96,6 +96,11 @@ class Fit(OneLine):
         return End(self.x, self.residual, self.slopes, math.nan)
 
 
+def is_near_data(problem: Problem, residual: Array) -> bool:
+    """Whether a residual is below ten errors in the mean."""
+    return float(np.sum(problem.chi2_of_tables(residual[None]))) < NEAR_DATA * len(problem.y)
+
+
 def log_prior(causes: Sequence[Cause], form: str, odds: float) -> float:
     """Log prior probability of a model where all causes have these odds together."""
     if not causes:

@@ -17,7 +17,7 @@ from stickslip.diagnosis.fitting.forms import Exact
 from stickslip.diagnosis.fitting.options import SEARCH
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.responses import Response, responses
-from stickslip.diagnosis.fitting.search import recalibrated, separated
+from stickslip.diagnosis.fitting.starts import recalibrated, separated
 
 # Rounds of fit and scatter and steps of each; ends beside the recalibrated model about which single
 # causes are tried, steps of a look from each of them, looks that are followed, and looks of each
