@@ -115,10 +115,8 @@ def measured(problem: Problem, before: Fit, after: Fit, form: str = "exact") -> 
         return None
     finer = _finer(problem, (before.residual - after.residual) / problem.sd, parts)
     parts = finer or parts
-    errors = [
-        held_out(problem, fit, fit.form if form == "own" else "exact", parts, not finer)
-        for fit in (before, after)
-    ]
+    errors = [held_out(problem, fit, fit.form if form == "own" else "exact", parts, not finer)
+              for fit in (before, after)]  # fmt: skip
     size = [np.abs(values) / problem.sd for values in errors]
     falls = np.array([np.mean(size[0][rows]) - np.mean(size[1][rows]) for rows in parts])
     half = float(t_law.ppf(0.975, len(parts) - 1) * falls.std(ddof=1) / math.sqrt(len(parts)))

@@ -70,10 +70,8 @@ class Plots:
         """
         shown = self._table(table)
         if not shown.drawable:
-            looks = {
-                self._label(name): (_COLOURS[name], candidate.values()[0])
-                for name, candidate in self._facts.candidates.items()
-            }
+            looks = {self._label(name): (_COLOURS[name], candidate.values()[0])
+                     for name, candidate in self._facts.candidates.items()}  # fmt: skip
             return shown.figure(self._facts.problem.names, looks) if looks else None
         return self._drawn(self._panels(table), False)
 
@@ -162,10 +160,8 @@ class Plots:
         names = sorted({group for groups in by_panel.values() for group in groups})
         if len(names) > len(_MARKERS):
             # Too many to tell apart: all rows alike.
-            by_panel = {
-                panel: {"": sorted(row for rows in groups.values() for row in rows)}
-                for panel, groups in by_panel.items()
-            }
+            by_panel = {panel: {"": sorted(row for rows in groups.values() for row in rows)}
+                        for panel, groups in by_panel.items()}  # fmt: skip
             names = [""]
         markers = dict(zip(names, _MARKERS, strict=False))
         panels = []
