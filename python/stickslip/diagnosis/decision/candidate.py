@@ -31,13 +31,7 @@ _MOST_FREEDOM = 1e6  # beyond it Student's law is the normal one
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Candidate(OneLine):
-    """A model that was fitted: some causes, or none, and perhaps a discrepancy beside them.
-
-    Attributes
-    ----------
-    fit : Fit
-    models : Models
-    """
+    """A model that was fitted: some causes, or none, and perhaps a discrepancy beside them."""
 
     fit: Fit
     models: Models

@@ -79,10 +79,8 @@ def follows_settings(problem: Problem, fit: Fit) -> bool:
 
     def alike(mixed: bool) -> float:
         drawn = [random.permutation(centred[part]) if mixed else centred[part] for part, _ in pairs]
-        return sum(
-            float(np.sum(value[:, None] * value[near]))
-            for value, (_, near) in zip(drawn, pairs, strict=True)
-        )
+        return sum(float(np.sum(value[:, None] * value[near]))
+                   for value, (_, near) in zip(drawn, pairs, strict=True))  # fmt: skip
 
     observed = alike(False)
     larger = sum(alike(True) >= observed for _ in range(_PERMUTED))

@@ -52,12 +52,7 @@ class Panel:
 
 
 class Plots:
-    """Pictures of a diagnosis, each a matplotlib figure.
-
-    Parameters
-    ----------
-    facts : Facts
-    """
+    """Pictures of a diagnosis, each a matplotlib figure."""
 
     def __init__(self, facts: Facts) -> None:
         self._facts = facts

@@ -314,11 +314,9 @@ def read_by(
 ) -> Array:  # fmt: skip
     """What instruments read, shape (vectors, k).
 
-    Vectors that differ in the instruments alone share a prediction.
-
-    Those of the `causes` that read `table` act one after another, if `names` has their parameters;
-    `values` have the shape (vectors, names). ``physics(names, values)`` predicts what a perfect
-    instrument reads.
+    Vectors that differ in the instruments alone share a prediction. Of the `causes` those with a
+    `read` act one after another, if `names`, those of the columns of `values`, shape (vectors,
+    names), have their parameters. ``physics(names, values)`` is what a perfect instrument reads.
     """
     acting = [cause for cause in causes if cause.read and cause.parameters[0].name in names]
     if not acting:

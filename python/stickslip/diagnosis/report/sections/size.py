@@ -96,13 +96,11 @@ def _leader(facts: Facts, candidate: Candidate) -> dict[str, Any]:
     return {
         **_claim(facts, candidate),
         "among_causes": chance.models[fit.name] / with_cause if with_cause > 0.0 else 0.0,
-        "in_all": in_all,
-        "further": further,
-        "share": None if part < 0.0 else part,
+        "in_all": in_all, "further": further, "share": None if part < 0.0 else part,
         "acts": in_all >= SURE and part > _MOST_OF_IT,
         "takes_most": in_all >= SURE and part >= DOMINANT,
         "left": _left(facts, candidate if facts.verdict.fit else facts.recalibrated),
-    }
+    }  # fmt: skip
 
 
 def _claim(facts: Facts, candidate: Candidate) -> dict[str, Any]:

@@ -49,12 +49,10 @@ def numbers(facts: Facts) -> Numbers:
         "probabilities": dict(verdict.probabilities),
         "tests": {"lack_of_fit": test.lack_of_fit, "score": test.score},
         "share": None if part is None or math.isnan(part) else part,
-        "partial": verdict.partial,
-        "members": [fit.name for fit in verdict.members],
-        "common": [words.title(name) for name in verdict.common],
-        "beside": _beside(facts),
+        "partial": verdict.partial, "members": [fit.name for fit in verdict.members],
+        "common": [words.title(name) for name in verdict.common], "beside": _beside(facts),
         "unproven": any(note.code == "second-cause-predicts-nothing" for note in verdict.reasons),
-    }
+    }  # fmt: skip
 
 
 def _beside(facts: Facts) -> list[str]:
