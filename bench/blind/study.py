@@ -30,7 +30,7 @@ from blind.seeds import used
 from blind.truth import Truth
 from blind.writing import KEYS, write_case, write_more
 from stickslip import Cause, Diagnosis, Drive, Scenario, diagnose, read_measurement, simulate_batch
-from stickslip.diagnosis.report.numbers import law_of
+from stickslip.diagnosis.report.sections.size import law_of
 from stickslip.walker.velocity import VelocityTable
 
 Row = dict[str, Any]

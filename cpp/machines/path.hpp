@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <limits>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -371,8 +372,8 @@ private:
 
 /// States at readings: calls `write(reading, state)`, with NaN where they are not known.
 ///
-/// times: s, of the readings.
-template <class System>
+/// times: s, of the readings. Way: how a system moves if by no Path.
+template <class Way = void, class System>
 void follow(const System& system, const typename System::State& start,
             std::span<const double> times, const Signals<System::kInputs>& signals, auto&& write) {
     // Most steps of a record and of each of its readings. Chosen: a motion that needs more is none
@@ -380,7 +381,8 @@ void follow(const System& system, const typename System::State& start,
     constexpr double kMost = 1e5, kMostOfEach = 40.0;
     if (times.empty()) return;
     const std::size_t count = times.size();
-    Path<System> path(system, signals.step, kMost + kMostOfEach * static_cast<double>(count));
+    std::conditional_t<std::is_void_v<Way>, Path<System>, Way> path(
+        system, signals.step, kMost + kMostOfEach * static_cast<double>(count));
     // The next knot of each input, and the line up to it, from its beginning.
     constexpr std::size_t kInputs = System::kInputs;
     const std::size_t knots = signals.knots.size();

@@ -10,6 +10,7 @@ from typing import Any
 import click
 from blind import own, scoring, study
 from docutils import nodes
+from report_keys import reference
 from scores import CLAIMS
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
@@ -17,7 +18,6 @@ from stale import VERDICTS, stale
 
 from stickslip import _core, effects
 from stickslip.cli.commands import loaded, stickslip
-from stickslip.diagnosis.report.numbers import reference
 from stickslip.scenario.keys import Key, known_keys
 from stickslip.simulation.note_table import TABLE
 
@@ -125,10 +125,7 @@ class ReportKeys(SphinxDirective):
     """A table of the keys of a report's JSON object."""
 
     def run(self) -> list[nodes.Node]:
-        rows = [
-            [", ".join(map(_code, names.split(", "))), meaning]
-            for names, meaning in reference().items()
-        ]
+        rows = [[_code(key), meaning] for key, meaning in reference().items()]
         return self.parse_text_to_nodes(_markdown_table(["key", "value"], rows))
 
 

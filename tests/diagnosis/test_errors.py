@@ -9,7 +9,8 @@ from scipy.special import ndtr
 from scipy.stats import f as f_law
 from scipy.stats import t as t_law
 
-from stickslip.diagnosis.data.errors import _Scatter, along_runs, estimate, of_readings
+from stickslip.diagnosis.data.errors import _Scatter, along_runs, estimate
+from stickslip.walker.simulated import of_readings
 
 LEVEL = np.geomspace(1e-4, 2e-3, 30) * (-1.0) ** np.arange(30)
 SIZE = np.hypot(1e-5, 0.03 * LEVEL)

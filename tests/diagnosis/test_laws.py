@@ -14,7 +14,7 @@ from stickslip.diagnosis.decision.candidate import Candidate
 from stickslip.diagnosis.fitting.law_forms import with_forms
 from stickslip.diagnosis.fitting.models import log_prior
 from stickslip.diagnosis.fitting.search import Models, Start
-from stickslip.diagnosis.report.numbers import law_of
+from stickslip.diagnosis.report.sections.size import law_of
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.curve import LENGTHS, SIZES
 from stickslip.diagnosis.terms.curve import SHAPES as SHAPES_OF

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from report_keys import WORDS, reference
 
 import films
 import made_findings as made
@@ -20,7 +21,8 @@ from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.entry import diagnose_model
 from stickslip.diagnosis.pipeline import run
 from stickslip.diagnosis.report.files import figures_of, page
-from stickslip.diagnosis.report.numbers import WORDS, notes_of, numbers_of, reference
+from stickslip.diagnosis.report.numbers import numbers_of
+from stickslip.diagnosis.report.sections.data import notes_of
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.terms import amounts
 from stickslip.diagnosis.terms.cause import Cause, CauseNote
@@ -31,7 +33,7 @@ from stickslip.walker.film import FilmTable
 from stickslip.walker.problem import drawing, posed_by, vocabulary
 from toys import LEVEL, SLOPE, STEP, WAVE, data, line, problem
 
-KEYS = {name for names in reference() for name in names.split(", ")}
+KEYS = reference().keys()
 """What the reference says of report.json."""
 
 
@@ -116,7 +118,7 @@ def test_a_leader_that_takes_most_is_told_first_though_it_is_not_named(rough):
 
 
 def test_a_sure_cause_that_takes_too_little_for_a_claim_acts_beside_something(rough, monkeypatch):
-    monkeypatch.setattr("stickslip.diagnosis.report.numbers.DOMINANT", 0.9)
+    monkeypatch.setattr("stickslip.diagnosis.report.sections.size.DOMINANT", 0.9)
     leader = rough.findings.models.get(["bump"])
     told = made.said(rough, "unexplained", fit=None, causes=(), leader=leader)
     numbers = {**numbers_of(told), "origin": []}

@@ -21,15 +21,10 @@ from stickslip._util.note import Note
 from stickslip.diagnosis.fitting.descent import End, derivatives, finished
 from stickslip.diagnosis.fitting.forms import forms
 from stickslip.diagnosis.fitting.models import minimise
+from stickslip.diagnosis.fitting.options import DESCENT, SEARCH, vary
 from stickslip.diagnosis.fitting.responses import responses
-from stickslip.diagnosis.fitting.search import (
-    SETTLED,
-    Models,
-    _fit_singles,
-    _look_beside,
-    recalibrated,
-    search,
-)
+from stickslip.diagnosis.fitting.search import Models, _fit_singles, _look_beside, search
+from stickslip.diagnosis.fitting.starts import recalibrated
 from stickslip.diagnosis.model import posed
 from stickslip.diagnosis.pipeline import run
 from stickslip.diagnosis.terms.laws import free_law
@@ -67,6 +62,18 @@ def test_the_truth_is_found_among_many_causes_and_pairs(hidden):
     chosen = found.problem.columns([causes[k] for k in hidden])
     # 0.05 / sqrt(30 / 2) is the error of a size where nothing trades off with it.
     assert values[chosen] == pytest.approx(list(hidden.values()), abs=0.1)
+
+
+def test_an_option_is_varied_for_all_that_follows():
+    causes, columns, model = crowd(4)
+    posed_pair = posed(data(columns[0] + columns[1], sd=0.05), model, [SLOPE, LEVEL], causes)
+    most = []
+    for count in (1, SEARCH.most_causes):
+        vary(SEARCH, most_causes=count)
+        most.append(max(len(names) for names, _ in run(posed_pair, 0).models.best))
+    assert most == [1, 2]
+    with pytest.raises(TypeError):
+        vary(SEARCH, most=1)
 
 
 # --------------------------------------------------------------------- at the leader's constants
@@ -156,7 +163,7 @@ def test_a_pair_begins_where_a_response_points_and_where_its_leader_is(monkeypat
 
     monkeypatch.setattr("stickslip.diagnosis.fitting.search.responses", misled)
     _look_beside(models, leader)
-    assert models.get(["bump", "kink"]).cost < leader.cost + SETTLED
+    assert models.get(["bump", "kink"]).cost < leader.cost + DESCENT.settled
 
 
 def test_a_cause_is_looked_at_from_three_ends_and_the_stated_constants_at_most(monkeypatch):
@@ -197,7 +204,7 @@ def test_a_scale_is_found_beside_constants_that_almost_undo_it(error, size):
     )
     prior = np.arcsinh(error / size * np.sinh(1.0))
     truth = float(noise @ noise) + prior**2
-    assert found.findings.models.get(["scale"]).cost < truth + SETTLED
+    assert found.findings.models.get(["scale"]).cost < truth + DESCENT.settled
 
 
 def test_no_model_fits_worse_than_one_that_it_contains():

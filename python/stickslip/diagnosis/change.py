@@ -29,7 +29,8 @@ from stickslip.diagnosis.entry import diagnosed, fault_of, one_blas_thread, prep
 from stickslip.diagnosis.fitting.problem import Cached, Problem
 from stickslip.diagnosis.fitting.rivals import Rivals
 from stickslip.diagnosis.fitting.scatter import with_scatter
-from stickslip.diagnosis.fitting.search import Progress, recalibrated
+from stickslip.diagnosis.fitting.search import Progress
+from stickslip.diagnosis.fitting.starts import recalibrated
 from stickslip.diagnosis.model import Predict, tables_in, without_effect
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.terms.cause import Cause
@@ -52,15 +53,10 @@ _SAME = 0.1  # part of an effect by which that of the other side differs and is 
 
 
 def diagnose_change(
-    predict: Predict,
-    before: Table | Sequence[Table],
-    after: Table | Sequence[Table],
-    uncertain: Sequence[Parameter] | None = None,
-    causes: Sequence[Cause] = (),
-    *,
-    seed: int = 0,
+    predict: Predict, before: Table | Sequence[Table], after: Table | Sequence[Table],
+    uncertain: Sequence[Parameter] | None = None, causes: Sequence[Cause] = (), *, seed: int = 0,
     progress: Progress | None = None,
-) -> Diagnosis:
+) -> Diagnosis:  # fmt: skip
     """Diagnose what changed between two logs, or sets of logs, of one machine.
 
     Constants are shared. A difference is ``name[after]`` or ``name[before]``: another value of a

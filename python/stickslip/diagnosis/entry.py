@@ -36,14 +36,9 @@ Terms = tuple[Sequence[Parameter], Sequence[Cause]]
 
 
 def diagnose_model(
-    predict: Predict,
-    data: Table | Sequence[Table],
-    uncertain: Sequence[Parameter] | None = None,
-    causes: Sequence[Cause] = (),
-    *,
-    seed: int = 0,
-    progress: Progress | None = None,
-) -> Diagnosis:
+    predict: Predict, data: Table | Sequence[Table], uncertain: Sequence[Parameter] | None = None,
+    causes: Sequence[Cause] = (), *, seed: int = 0, progress: Progress | None = None,
+) -> Diagnosis:  # fmt: skip
     """Diagnose measured data with a forward model of one's own, or with one of `models`.
 
     Parameters
@@ -127,13 +122,9 @@ def prepared(
 
 
 def diagnosed(
-    problem: Problem,
-    seed: int,
-    progress: Progress | None,
-    notes: Sequence[Note],
-    source: Any = None,
-    fault: Note | None = None,
-) -> Diagnosis:
+    problem: Problem, seed: int, progress: Progress | None, notes: Sequence[Note],
+    source: Any = None, fault: Note | None = None,
+) -> Diagnosis:  # fmt: skip
     """The diagnosis of a problem; `source` is what poses it, a `fault` what is wrong with data."""
     say = progress or (lambda fraction, stage: None)
     findings = run(problem, seed, say, fault or fault_of(problem))

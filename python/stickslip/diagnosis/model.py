@@ -24,7 +24,7 @@ from stickslip.diagnosis.data.table import Table, rows_in_words
 from stickslip.diagnosis.fitting.fineness import with_measured_fineness
 from stickslip.diagnosis.fitting.problem import HUGE, Cached, Problem
 from stickslip.diagnosis.fitting.rivals import Rivals
-from stickslip.diagnosis.fitting.search import recalibrated
+from stickslip.diagnosis.fitting.starts import recalibrated
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.instruments import read_by
 from stickslip.diagnosis.terms.laws import Curves, beside_constants
@@ -61,16 +61,11 @@ class Values(dict[str, Array]):
 
 
 def posed(
-    tables: Table | Sequence[Table],
-    predict: Predict,
-    constants: Sequence[Parameter],
-    causes: Sequence[Cause],
-    *,
-    low_fidelity: Predict | None = None,
+    tables: Table | Sequence[Table], predict: Predict, constants: Sequence[Parameter],
+    causes: Sequence[Cause], *, low_fidelity: Predict | None = None,
     laws: Callable[[Problem, Array], Sequence[Cause]] | None = None,
-    words: Vocabulary | None = None,
-    rivals: Rivals | None = None,
-) -> Problem:
+    words: Vocabulary | None = None, rivals: Rivals | None = None,
+) -> Problem:  # fmt: skip
     """The problem that data pose to a forward model: the one door of the diagnosis.
 
     Parameters
@@ -104,20 +99,15 @@ def posed(
     assert isinstance(problem.model, Cached)
     once, again = problem.model(stated), problem.model.anew(stated)
     if not np.allclose(once, again, _SAME, _SAME * np.nanmax(np.abs(once)), equal_nan=True):
-        raise ScenarioError(
-            "predict: it returns other readings when it is called again: allowed is a function of "
-            "its arguments alone; fix the seed of its random numbers"
-        )
+        text = "allowed is a function of its arguments alone; fix the seed of its random numbers"
+        raise ScenarioError(f"predict: it returns other readings when it is called again: {text}")
     return with_measured_fineness(problem)
 
 
 def bare_problem(
-    tables: Table | Sequence[Table],
-    predict: Predict,
-    constants: Sequence[Parameter],
-    causes: Sequence[Cause],
-    low_fidelity: Predict | None = None,
-) -> Problem:
+    tables: Table | Sequence[Table], predict: Predict, constants: Sequence[Parameter],
+    causes: Sequence[Cause], low_fidelity: Predict | None = None,
+) -> Problem:  # fmt: skip
     """The same in the user's words, before anything is predicted."""
     given = tables_in("data", tables)
     lists = ("uncertain", constants, Parameter), ("causes", causes, Cause)
@@ -151,11 +141,8 @@ def tables_in(key: str, given: Any) -> Sequence[Table]:
 
 def freed(constants: Sequence[Parameter]) -> list[Cause]:
     """A cause for each constant that is stated with a middle: it is other than stated."""
-    return [
-        Cause(constant.name, (), f"{constant.name} is other than stated", frees=constant.name)
-        for constant in constants
-        if constant.may_be_off
-    ]
+    names = [constant.name for constant in constants if constant.may_be_off]
+    return [Cause(name, (), f"{name} is other than stated", frees=name) for name in names]
 
 
 def _of_model(
@@ -194,13 +181,11 @@ def computed_tables(problem: Problem, seed: int) -> tuple[Table, ...]:
         gone = lost[part]
         if gone.any():
             rows = rows_in_words(table.rows[gone[table.condition]])
+            why = "the model without causes computes no reading there"
             if gone.sum() > _MOST_LOST * len(gone):
-                raise ScenarioError(
-                    f"predict: {table.at}{rows}: the model without causes computes no reading "
-                    "there: allowed are a tenth of the rows; leave them out"
-                )
-            why = "the model without causes computes no reading there; left out of all models."
-            table = table.without(gone, why)
+                text = f"{why}: allowed are a tenth of the rows; leave them out"
+                raise ScenarioError(f"predict: {table.at}{rows}: {text}")
+            table = table.without(gone, f"{why}; left out of all models.")
         checked.append(table)
     return tuple(checked)
 
@@ -306,12 +291,8 @@ class ForwardModel(OneLine):
     def columns(self, table: str, names: Sequence[str]) -> dict[str, int]:
         """Columns of `names` that count for a table, by the names that the model knows."""
         records = {constant.name for constant in self.uncertain if constant.each_record}
-        elsewhere = {
-            one.name
-            for cause in self.causes
-            if cause.is_instrument and cause.table not in (None, table)
-            for one in cause.parameters
-        }
+        elsewhere = {name for cause in self.causes for name in cause.names
+                     if cause.is_instrument and cause.table not in (None, table)}  # fmt: skip
         places = {}
         for k, name in enumerate(names):
             base, bracket, record = name.partition("[")
@@ -351,9 +332,7 @@ def _seen(table: Table, causes: Sequence[Cause], p: Mapping[str, Array]) -> Tabl
         given = np.tile(table[name], (len(p[acting[name][0].parameters[0].name]), 1))
         made = Signal.of(table.t, given, held)
         for cause in acting[name]:
-            made = cause.acted(
-                made, {one.name: p[one.name] for one in cause.parameters}, table, given
-            )
+            made = cause.acted(made, {key: p[key] for key in cause.names}, table, given)
         return made
 
     return table.acted_on({name: partial(signal, name) for name in acting})
@@ -373,21 +352,13 @@ def _of_each_record(
     uncertain: Sequence[Parameter], tables: Sequence[Table]
 ) -> tuple[Parameter, ...]:
     """The constants, with one for each record where a parameter has a value of its own there."""
-    constants = []
-    for parameter in uncertain:
-        if not parameter.each_record:
-            constants.append(parameter)
-            continue
-        records = [table for table in tables if isinstance(table, Series)]
-        if not records:
-            raise ScenarioError(f"parameter {parameter.name}: each_record: allowed beside a Series")
-        constants += [
-            replace(
-                parameter, name=f"{parameter.name}[{table.name}]" if table.name else parameter.name,
-                cause=False, each_record=False,
-            )
-            for table in records
-        ]  # fmt: skip
+    constants, records = [], [table.name for table in tables if isinstance(table, Series)]
+    for one in uncertain:
+        if one.each_record and not records:
+            raise ScenarioError(f"parameter {one.name}: each_record: allowed beside a Series")
+        names = [f"{one.name}[{record}]" if record else one.name for record in records]
+        constants += [replace(one, name=name, cause=False, each_record=False) for name in names
+                      ] if one.each_record else [one]  # fmt: skip
     return tuple(constants)
 
 
@@ -434,10 +405,10 @@ def without_effect(problem: Problem) -> list[Note]:
         outside = _outside(cause, problem.tables)
         notes += outside
         if outside or cause.curve:
-            named |= {parameter.name for parameter in cause.parameters}
+            named |= set(cause.names)
         elif cause.acts is not None:
             # What an input was before its record is nothing where it begins at zero.
-            named |= {parameter.name for parameter in cause.parameters[1:]}
+            named |= set(cause.names[1:])
     for name in itertools.compress(problem.names, dead):
         if name not in named:
             text = (
@@ -450,11 +421,8 @@ def without_effect(problem: Problem) -> list[Note]:
 
 def _outside(cause: Cause, tables: Sequence[Table]) -> list[Note]:
     """A note where an event happens outside every record."""
-    records = [
-        (table.t[0], table.t[-1])
-        for table in tables
-        if isinstance(table, Series) and cause.table in (None, table.name)
-    ]
+    records = [(table.t[0], table.t[-1]) for table in tables
+               if isinstance(table, Series) and cause.table in (None, table.name)]  # fmt: skip
     begin, end = cause.between or (-math.inf, math.inf)
     if not records or any(begin <= last and end >= first for first, last in records):
         return []
@@ -519,10 +487,8 @@ def _check_copies(tables: Sequence[Table]) -> None:
         if len(one.y) == len(other.y) and len(np.unique(one.y)) >= _FEWEST_VALUES:
             rows, copied = (_in_order(table) for table in (one, other))
             if all(map(partial(np.allclose, rtol=_SAME, atol=0.0), rows, copied)):
-                raise ScenarioError(
-                    f"data: {other.title} has the readings of {one.title}: allowed is each once, "
-                    "or they would count twice"
-                )
+                text = "allowed is each once, or they would count twice"
+                raise ScenarioError(f"data: {other.title} has the readings of {one.title}: {text}")
 
 
 def _in_order(table: Table) -> list[Array]:

@@ -17,7 +17,8 @@ from stickslip.diagnosis.fitting.law_forms import with_forms
 from stickslip.diagnosis.fitting.models import Fit, minimise, sharpened
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.responses import responses
-from stickslip.diagnosis.fitting.search import Models, Progress, recalibrated, screened, search
+from stickslip.diagnosis.fitting.search import Models, Progress, screened, search
+from stickslip.diagnosis.fitting.starts import recalibrated
 
 # Draws about the recalibrated model that show its roughness, and their widths: a share of what the
 # data leave open, and at most so many standard deviations of the priors. Chosen: well within both.
@@ -27,11 +28,9 @@ _BETTER = 1.0  # fall of the cost after which the recalibrated model is tested a
 
 
 def run(
-    problem: Problem,
-    seed: int,
-    say: Progress = lambda fraction, stage: None,
+    problem: Problem, seed: int, say: Progress = lambda fraction, stage: None,
     fault: Note | None = None,
-) -> Findings:
+) -> Findings:  # fmt: skip
     """All steps, one after another; where the data have a `fault`, no cause is looked for."""
     say(0.0, "recalibrating")
     null, ends = recalibrated(problem, seed)

@@ -50,7 +50,7 @@ class Diagnosis(Facts, ShownBySummary):
         return summary_text(self.as_dict(), self.problem.words)
 
     def _repr_html_(self) -> str:
-        said = {"report": self.as_dict(), "a": amounts, "w": Words(self.problem.words)}
+        said = {"r": self.as_dict(), "a": amounts, "w": Words(self.problem.words)}
         return page_text("diagnosis/report/notebook.html.j2", **said)
 
     @property

@@ -1,20 +1,9 @@
 """The physics of all kinds of models, which C++ (cpp/machines) moves from event to event.
 
 Joints, axes, pendulums and oscillators are one mass, or a motor and its load, with friction that
-sticks. Coefficients are per unit of inertia, 0 where a term is absent::
-
-    x'' = u - load - rate v - rate_asymmetry |v| - quadratic v|v| - cubic_damping v^3
-          - stiffness x - square x^2 - cubic x^3 - gravity sin(x) - friction
-    friction = sign(v) max(coulomb + sign(v) asymmetry, 0) + sign(v) stribeck exp(-(v / vs)^2)
-
-`u` is the input; with `swing` it is that times cos(x). At rest friction holds what is below its
-limit. With a `gap` to each side or a `spring` there are two masses: the motor's with the friction,
-and the load's, a `share` of the whole, with all that depends on the place. Across the gap they meet
-without rebound and pull at nothing; the spring has a moment of `spring` per angle and a `damping`.
-
-Steps are exact where the motion is linear between events and the knots of the inputs, else of
-order 5. States are NaN from where a motion has no finite one, or where it takes more than 100 000
-steps and 40 for each reading to follow it.
+sticks: see `MotionTerms` in cpp/machines/motion.hpp. Steps are exact where the motion is linear
+between events and the knots of the inputs, else of order 5. States are NaN from
+where a motion has no finite one, or where it takes more than 100 000 steps and 40 for each reading.
 """
 
 from __future__ import annotations

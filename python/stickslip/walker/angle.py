@@ -10,12 +10,11 @@ import numpy as np
 from stickslip import _core
 from stickslip._util.arrays import Array, Indices
 from stickslip._util.note import Note
-from stickslip.diagnosis.data.errors import of_readings
 from stickslip.errors import ScenarioError
 from stickslip.scenario.scenario import Scenario
 from stickslip.walker.instruments import of_angles
 from stickslip.walker.outliers import far_from_their_neighbours, free_of_bends
-from stickslip.walker.simulated import SimulatedTable
+from stickslip.walker.simulated import SimulatedTable, of_readings
 
 READING = math.radians(0.5)
 """Smallest error of an angle that is read off a picture, rad. Chosen: a side of 250 um at one um a

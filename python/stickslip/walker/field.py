@@ -11,13 +11,13 @@ from stickslip import _core
 from stickslip._util.arrays import Array, Mask, root_mean_square
 from stickslip._util.note import Note
 from stickslip._util.units import far_size
-from stickslip.diagnosis.data.errors import FEWEST, of_readings
+from stickslip.diagnosis.data.errors import FEWEST
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import COIL_NAMES
 from stickslip.scenario.scenario import Scenario
 from stickslip.walker.instruments import of_fields
 from stickslip.walker.outliers import far_from_a_fit
-from stickslip.walker.simulated import SimulatedTable
+from stickslip.walker.simulated import SimulatedTable, of_readings
 
 _READING, _RELATIVE = 5e-7, 1e-3
 """Smallest error of a probe's reading, in T and in the field's root mean square. Chosen: 1 % of the

@@ -27,9 +27,8 @@ from stickslip._util.text import OneLine, counted
 from stickslip._util.units import with_unit
 from stickslip.diagnosis.data.noise import Draws, Noise, along, averaged, satterthwaite
 
-FEWEST, ENOUGH = 4, 12
-"""Degrees of freedom from which on a scatter tells the error, and from which on repeats need no
-comparison. Chosen: they determine it to 35 and to 20 %."""
+FEWEST = 4
+"""Degrees of freedom from which on a scatter tells the error. Chosen: they tell it to 35 %."""
 
 _ALIKE = 1e-9
 """Part of the usual level by which readings differ that differ by rounding alone. Chosen: between
@@ -105,16 +104,10 @@ class Errors(OneLine):
 
 
 def estimate(
-    y: Array,
-    condition: Indices,
-    *,
-    sd: Array | None = None,
-    relative: float = math.nan,
-    run: Indices | None = None,
-    place: Array | None = None,
-    block: Indices | None = None,
+    y: Array, condition: Indices, *, sd: Array | None = None, relative: float = math.nan,
+    run: Indices | None = None, place: Array | None = None, block: Indices | None = None,
     seed: int = 0,
-) -> tuple[Array, Errors]:
+) -> tuple[Array, Errors]:  # fmt: skip
     """Means of the conditions, shape (m,), and their errors.
 
     All arrays have the shape (n,), a value for each reading of `y`. Conditions are 0 to m - 1, none
@@ -134,7 +127,7 @@ def estimate(
     away = y - mean[condition]
     free = int(np.sum(moves[condition])) - int(np.sum(moves))
     notes: list[Note] = []
-    copies = sd is None and _are_copies(away, size, len(count), notes)
+    copies = sd is None and are_copies(away, size, len(count), notes)
     if copies or not np.any(np.abs(away) > _ALIKE * size):
         free = 0
     block = _crossed(condition, block, moves[condition], notes)
@@ -214,45 +207,7 @@ def meter_step(y: Array) -> float:
     return 0.0
 
 
-def of_readings(y: Array, design: Array, condition: Indices, smallest: float, unit: str) -> Errors:
-    """Errors of the means of conditions whose readings share one standard deviation.
-
-    From repeats, if they have at least 12 degrees of freedom, or 4 and no fewer than a free fit;
-    else from what that fit leaves. Free in it are the columns of `design`, shape (n, k), such as
-    gains of axes or local lines. `smallest`, an error of a reading in its `unit`, is used where an
-    estimate is below it, or has fewer than 4 degrees of freedom; it counts as stated. The readings
-    `y` and `condition` have the shape (n,); conditions are 0 to m - 1, none missing.
-    """
-    count, notes = np.bincount(condition), list[Note]()
-    left = y - (np.bincount(condition, y) / count)[condition]
-    if _are_copies(left, root_mean_square(y), len(count), notes):
-        first = np.unique(condition, return_index=True)[1]
-        y, design, left, count = y[first], design[first], left[first], np.ones_like(count)
-    dof, text = (
-        len(y) - len(count),
-        "A reading scatters by {}, from repeats ({} degrees of freedom).",
-    )
-    code = "noise-repeats"
-    if dof < ENOUGH:
-        fitted, _, rank, _ = np.linalg.lstsq(design, y, rcond=None)
-        free = len(y) - int(rank)
-        if dof < max(free, FEWEST):
-            dof, left, code = free, y - design @ fitted, "noise-free-fit"
-            text = "A reading scatters by {} about a free fit ({} degrees of freedom)."
-    sd = math.sqrt(float(np.sum(left**2)) / max(dof, 1))
-    known = float(dof)
-    if dof < FEWEST:
-        sd, known, code = smallest, math.inf, "noise-unknown"
-        text = "The error of a reading is not known; {} is used ({} degrees of freedom)."
-    elif sd <= smallest:
-        sd, known, code = smallest, math.inf, "noise-smallest"
-        text = "Readings scatter by less than {}, which is used ({} degrees of freedom)."
-    size = with_unit(math.degrees(sd), "degrees") if unit == "rad" else with_unit(sd, unit)
-    notes.append(Note(code, text.format(size, dof), sd))
-    return Errors.alike(sd, count, known, *notes)
-
-
-def _are_copies(away: Array, size: float, conditions: int, notes: list[Note]) -> bool:
+def are_copies(away: Array, size: float, conditions: int, notes: list[Note]) -> bool:
     """Whether all repeats are exactly alike and so tell no error: copies, or rounded to a step.
 
     `away`, shape (n,), are readings less the mean of their condition; `size` is the usual level.

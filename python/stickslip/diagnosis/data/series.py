@@ -110,16 +110,10 @@ class Series(Table):
     """
 
     def __init__(
-        self,
-        t: ArrayLike,
-        y: ArrayLike,
-        inputs: Mapping[str, ArrayLike] | None = None,
-        sd: ArrayLike | None = None,
-        name: str = "",
-        repeat_of: str | Series | None = None,
-        *,
+        self, t: ArrayLike, y: ArrayLike, inputs: Mapping[str, ArrayLike] | None = None,
+        sd: ArrayLike | None = None, name: str = "", repeat_of: str | Series | None = None, *,
         unit: str = "-",
-    ) -> None:
+    ) -> None:  # fmt: skip
         self.name, self.unit = str(name), unit
         self.repeat_of = repeat_of.name if isinstance(repeat_of, Series) else repeat_of
         if inputs is not None and not isinstance(inputs, Mapping):

@@ -140,16 +140,10 @@ class Table:
     """Whether its readings share a unit, so that they are drawn over a setting."""
 
     def __init__(
-        self,
-        settings: Any,
-        y: ArrayLike,
-        *,
-        sd: ArrayLike | None = None,
-        block: ArrayLike | None = None,
-        run: ArrayLike | None = None,
-        name: str = "",
+        self, settings: Any, y: ArrayLike, *, sd: ArrayLike | None = None,
+        block: ArrayLike | None = None, run: ArrayLike | None = None, name: str = "",
         unit: str = "-",
-    ) -> None:
+    ) -> None:  # fmt: skip
         self.name, self.unit = str(name), unit
         at = self.at
         columns = columns_of(f"{at}settings", settings)

@@ -31,13 +31,7 @@ _MOST_FREEDOM = 1e6  # beyond it Student's law is the normal one
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Candidate(OneLine):
-    """A model that was fitted: some causes, or none, and perhaps a discrepancy beside them.
-
-    Attributes
-    ----------
-    fit : Fit
-    models : Models
-    """
+    """A model that was fitted: some causes, or none, and perhaps a discrepancy beside them."""
 
     fit: Fit
     models: Models
@@ -123,8 +117,8 @@ class Candidate(OneLine):
         unit, kappa = self.models.forms[fit.form].unit, fit.sizes["kappa"]
         size = fit.sizes.get("s", math.sqrt(max(kappa**2 - 1.0, 0.0)))
         sizes, lasts = {}, {}
-        for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
-            name, level = problem.table_names[k], size * float(unit[part][0])
+        for table, part, name, *_ in problem.parts:
+            level = size * float(unit[part][0])
             if not level:
                 continue
             sizes[name] = level
@@ -144,13 +138,11 @@ class Candidate(OneLine):
         problem, fit = self.models.problem, self.fit
         variance = np.einsum("ij,jk,ik->i", fit.slopes, self._covariance, fit.slopes)
         sd = np.sqrt(np.maximum(variance, 0.0))
-        rows = []
-        for k, (table, part) in enumerate(zip(problem.tables, problem.rows, strict=True)):
-            rows += [
-                (problem.table_names[k], float(problem.y[i]), float(problem.sd[i]),
-                 float(problem.y[i] - fit.residual[i]), float(sd[i]), table.unit)
-                for i in range(part.start, part.stop)
-            ]  # fmt: skip
+        rows = [
+            (one.name, float(problem.y[i]), float(problem.sd[i]),
+             float(problem.y[i] - fit.residual[i]), float(sd[i]), one.table.unit)
+            for one in problem.parts for i in range(one.rows.start, one.rows.stop)
+        ]  # fmt: skip
         columns = ["table", "reading", "sd", "predicted", "predicted_sd", "unit"]
         return frame("row", list(range(len(rows))), rows, columns)
 

@@ -158,10 +158,7 @@ def _exchanged(models: Models, fit: Fit, fits: Sequence[Fit]) -> list[Alike]:
     problem, form, pairs = models.problem, models.forms[fit.form], []
     for rival in fits:
         other = models.get(rival.names, fit.form) or rival
-        swapped = fit.names ^ other.names
-        if len(swapped) != 2 or len(other.names) != len(fit.names):
-            continue
-        cosine = abs(cosine_of_swap(models, fit, other))
+        cosine = abs(cosine_of_swap(models, fit, other)) if fit.swaps(other) else 0.0
         if cosine <= ALIKE:
             continue
         gap = fit.residual - other.residual
@@ -314,10 +311,8 @@ class _Beside:
             lead = size2 * (1.0 - like)
             if like > ALIKE**2 and size2 > PARTS > lead:
                 gap = self._left(k, columns) * self.effects[k].usual
-                pair = one, other
-                pairs[frozenset(pair)] = _alike(
-                    self.models.problem, pair, math.sqrt(like), lead, lead, gap
-                )
+                pair, problem = (one, other), self.models.problem
+                pairs[frozenset(pair)] = _alike(problem, pair, math.sqrt(like), lead, lead, gap)
         return list(pairs.values())
 
     def _likest(self, k: int, other: str) -> tuple[float, list[int]]:
@@ -346,17 +341,14 @@ def _effects(problem: Problem, fit: Fit, response: Response, number: int) -> lis
     cause = response.cause
     if cause.is_constant:
         # A freed constant is moved by its wider prior.
-        names = [constant.name for constant in problem.constants]
-        gap = FREED[0] * fit.slopes[:, names.index(str(cause.frees))]
+        gap = FREED[0] * fit.slopes[:, problem.at(cause)]
         return [_Effect(cause.name, -1, FREED[0], (), number, 1.0, gap)]
-    columns, free = problem.columns([cause]).tolist(), problem.free([cause]).tolist()
+    columns = problem.columns([cause]).tolist()
     amplitudes = [k for k in columns if problem.parameters[k].is_amplitude]
     shape = tuple(response.x[[k for k in columns if k not in amplitudes]].tolist())
     effects = []
-    for k, gap in zip(amplitudes, response.gaps, strict=True):
-        slope = float(gap @ response.slopes[:, free.index(k)])
-        # The amplitude at which a response was taken makes its gap of its slope.
-        u = float(gap @ gap) / slope if slope else 0.0
+    for k, gap, value in zip(amplitudes, response.gaps, response.values.tolist(), strict=True):
+        u = value if gap.any() else 0.0
         parameter = problem.parameters[k]
         usual = _distance(parameter, math.copysign(1.0, u)) / (_distance(parameter, u) or 1.0)
         effects.append(_Effect(cause.name, k, u, shape, number, usual, gap))

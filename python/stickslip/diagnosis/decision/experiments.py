@@ -61,12 +61,9 @@ class Experiment:
 
 
 def expected_chi2(
-    level: Array,
-    covariance: Array,
-    noise_variance: Array,
-    pairs: Sequence[tuple[int, int]],
+    level: Array, covariance: Array, noise_variance: Array, pairs: Sequence[tuple[int, int]],
     beside: Sequence[int] = (),
-) -> Array:
+) -> Array:  # fmt: skip
     """How far the predictions of two candidates lie apart, in squared standard errors.
 
     A reading is of one candidate's world, so its error is the noise and that candidate's own

@@ -8,10 +8,9 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
-from pandas import DataFrame
 
 from stickslip._util.arrays import Array
 from stickslip._util.messages import check_whole, meant, refuse
@@ -24,24 +23,19 @@ from stickslip.diagnosis.decision.gain import Gain
 from stickslip.diagnosis.decision.posterior import Posterior, posterior, share
 from stickslip.diagnosis.decision.test import Test, adequacy
 from stickslip.diagnosis.decision.verdict import Verdict
-from stickslip.diagnosis.fitting.problem import Problem
+from stickslip.diagnosis.fitting.problem import LOST, Problem
 from stickslip.diagnosis.fitting.responses import Response
 from stickslip.diagnosis.fitting.rivals import Forward, Rivals
 from stickslip.diagnosis.fitting.search import Models
 from stickslip.diagnosis.terms.words import Words
 from stickslip.errors import ScenarioError
 
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
 
 class Measurement(Protocol):
-    """What a report says of measured files.
-
-    Attributes
-    ----------
-    name : str
-    files : sequence of path
-    left_out : sequence
-        Sentences on rows that are not used.
-    """
+    """What a report says of measured files; `left_out` are sentences on rows that are not used."""
 
     @property
     def name(self) -> str: ...
@@ -181,9 +175,8 @@ class Facts:
     def cannot_tell(self) -> CannotTell:
         """What these data cannot tell beside the model that is told."""
         self._refuse_without_models("cannot_tell")
-        return cannot_tell(
-            self.subject, self.recalibrated, self.findings.responses, self.chance.fits
-        )
+        fits, effects = self.chance.fits, self.findings.responses
+        return cannot_tell(self.subject, self.recalibrated, effects, fits)
 
     @property
     def candidates(self) -> dict[str, Candidate]:
@@ -243,6 +236,26 @@ class Facts:
         return frame("candidate", [fit.name for fit in fits], rows, columns)
 
     # ------------------------------------------------------------------ predictions
+    @cached_property
+    def places(self) -> list[dict[str, Any]]:
+        """Which reading each row is: `table`, `number` in it from 1, and `where` in words."""
+        return [
+            {"table": one.name, "number": number, "where": where}
+            for one in self.problem.parts
+            for number, where in enumerate(one.table.named_settings.words, start=1)
+        ]
+
+    @cached_property
+    def at_readings(self) -> dict[str, Array]:
+        """All readings as the stated, the recalibrated and the extended model have them, (n,)."""
+        if not self.fitted:
+            return {}
+        problem = self.problem
+        left = problem.residuals(np.zeros((1, problem.size)))[0]
+        stated = np.where(left == LOST * problem.sd, np.nan, problem.y - left)
+        fitted = {name: problem.y - model.fit.residual for name, model in self.candidates.items()}
+        return {"stated": stated, **fitted}
+
     def predict(self, conditions: Any) -> DataFrame:
         """Predictions of the fitted models at new conditions.
 
@@ -266,13 +279,15 @@ class Facts:
             If the data allow no diagnosis, a setting is not allowed, or the measurement has no
             readings of the kind that is predicted.
         """
+        import pandas as pd
+
         self._refuse_without_models("predict")
         at, settings = self.rivals.conditions(conditions)
         for name, candidate in self.candidates.items():
             made = self._predicted(candidate, at)
             sd = np.sqrt(np.diag(spread_of(made)))
             settings |= {name: made[0].tolist(), f"{name}_sd": sd.tolist()}
-        return DataFrame(settings)
+        return pd.DataFrame(settings)
 
     def separate(self, conditions: Any) -> DataFrame | None:
         """How well the leading models could be told apart at conditions not measured yet.
@@ -292,6 +307,8 @@ class Facts:
         candidates, pairs = self._rivals
         if not pairs:
             return None
+        import pandas as pd
+
         at, settings = self.rivals.conditions(conditions)
         level, covariance, noise = self._apart(candidates, at)
         chi2 = design.expected_chi2(level, covariance, noise, pairs)
@@ -302,7 +319,7 @@ class Facts:
         for k, candidate in enumerate(candidates):
             sd = np.sqrt(np.diagonal(covariance[k]))
             settings |= {candidate.name: level[k].tolist(), f"{candidate.name}_sd": sd.tolist()}
-        return DataFrame(settings)
+        return pd.DataFrame(settings)
 
     def propose_experiments(self, count: int = design.PROPOSED) -> list[design.Experiment]:
         """The conditions that would tell the leading models apart best, each of another kind.

@@ -115,29 +115,16 @@ def measured(problem: Problem, before: Fit, after: Fit, form: str = "exact") -> 
         return None
     finer = _finer(problem, (before.residual - after.residual) / problem.sd, parts)
     parts = finer or parts
-    errors = [
-        held_out(problem, fit, fit.form if form == "own" else "exact", parts, not finer)
-        for fit in (before, after)
-    ]
+    errors = [held_out(problem, fit, fit.form if form == "own" else "exact", parts, not finer)
+              for fit in (before, after)]  # fmt: skip
     size = [np.abs(values) / problem.sd for values in errors]
     falls = np.array([np.mean(size[0][rows]) - np.mean(size[1][rows]) for rows in parts])
     half = float(t_law.ppf(0.975, len(parts) - 1) * falls.std(ddof=1) / math.sqrt(len(parts)))
     middle = float(falls.mean())
-    maes = [
-        {
-            name: float(np.mean(np.abs(values[part])))
-            for name, part in zip(problem.table_names, problem.rows, strict=True)
-        }
-        for values in errors
-    ]
-    return Gain(
-        before=float(np.mean(size[0])),
-        after=float(np.mean(size[1])),
-        interval=(middle - half, middle + half),
-        mae_before=maes[0],
-        mae_after=maes[1],
-        parts=len(parts),
-    )
+    maes = [{one.name: float(np.mean(np.abs(values[one.rows]))) for one in problem.parts}
+            for values in errors]  # fmt: skip
+    means, interval = [float(np.mean(one)) for one in size], (middle - half, middle + half)
+    return Gain(means[0], means[1], interval, maes[0], maes[1], len(parts))
 
 
 def held_out(

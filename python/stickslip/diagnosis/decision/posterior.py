@@ -78,9 +78,7 @@ def posterior(models: Models) -> Posterior:
     first = models.leaders(1)[0]
     top = models.log_posterior(first)
     for key, fit in models.best.items():
-        swapped = fit.names ^ first.names
-        exchanged = len(swapped) == 2 and len(fit.names) == len(first.names)
-        if exchanged and abs(cosine_of_swap(models, first, fit)) > ALIKE:
+        if fit.swaps(first) and abs(cosine_of_swap(models, first, fit)) > ALIKE:
             weights[key] = top - 0.5 * (top - weights[key])
     total = float(logsumexp(list(weights.values())))
     by_set: dict[frozenset[str], float] = {}

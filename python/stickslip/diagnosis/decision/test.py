@@ -79,10 +79,8 @@ def follows_settings(problem: Problem, fit: Fit) -> bool:
 
     def alike(mixed: bool) -> float:
         drawn = [random.permutation(centred[part]) if mixed else centred[part] for part, _ in pairs]
-        return sum(
-            float(np.sum(value[:, None] * value[near]))
-            for value, (_, near) in zip(drawn, pairs, strict=True)
-        )
+        return sum(float(np.sum(value[:, None] * value[near]))
+                   for value, (_, near) in zip(drawn, pairs, strict=True))  # fmt: skip
 
     observed = alike(False)
     larger = sum(alike(True) >= observed for _ in range(_PERMUTED))
@@ -140,14 +138,14 @@ def tested(problem: Problem, null: Fit, responses: list[Response], seed: int) ->
 def _directions(problem: Problem, p: int, responses: Sequence[Response]) -> tuple[Array, Mask]:
     """What causes do to the whitened rows and the prior of `p` constants, and whether its opposite
     counts, too."""
-    n, names = len(problem.y), [one.name for one in problem.constants]
+    n = len(problem.y)
     parts, either = [np.zeros((0, n + p))], [np.zeros(0, dtype=bool)]
     for response in {response.cause.name: response for response in responses}.values():
         changes = problem.whitened(response.tried.T).T
         parts.append(np.hstack([changes, np.zeros((len(changes), p))]))
         either.append(response.either)
         if response.cause.is_constant:
-            parts.append(np.arange(n + p)[None] == n + names.index(str(response.cause.frees)))
+            parts.append(np.arange(n + p)[None] == n + problem.at(response.cause))
             either.append(np.ones(1, dtype=bool))
     return np.vstack(parts), np.concatenate(either)
 

@@ -142,18 +142,12 @@ def _without_cause(verdict: Verdict, models: Models, test: Test, leader: Fit | N
         rival = "an unknown model error"
         if likeliest.form == "ar1":
             rival = "correlated errors along a run, of the readings or of the model"
-        reason = Note(
-            "no-cause-leads",
-            f"A misfit is left ({p_text(test.p_value)}); no cause is more probable than {rival}.",
-            test.p_value,
-        )
+        text = f"A misfit is left ({p_text(test.p_value)}); no cause is more probable than {rival}."
+        reason = Note("no-cause-leads", text, test.p_value)
         gain = gain_of(models, leader) if leader else None
         return _with(verdict, "unexplained", (), None, (reason,), models, leader, gain)
-    reason = Note(
-        "nothing-left",
-        f"The recalibrated model explains the data ({p_text(test.p_value)}).",
-        test.p_value,
-    )
+    text = f"The recalibrated model explains the data ({p_text(test.p_value)})."
+    reason = Note("nothing-left", text, test.p_value)
     return _with(verdict, "none", (), None, (reason,), models, None)
 
 
@@ -276,8 +270,7 @@ def _open_twins(models: Models, fit: Fit) -> list[Fit]:
     for other in models.leaders(form="ar1") if fit.form == "ar1" else ():
         apart = (fit.residual - other.residual) / models.problem.sd
         if (
-            len(other.names ^ fit.names) == 2
-            and len(other.names) == len(fit.names)
+            fit.swaps(other)
             and float(np.sum(apart**2)) <= fit.chi2
             and share(models, other) >= DOMINANT
             and not _at_end(models, other)
@@ -407,8 +400,7 @@ def _with(verdict: Verdict, kind: Kind, causes: tuple[str, ...], fit: Fit | None
 def _at_end(models: Models, fit: Fit) -> bool:
     """Whether an amplitude, or a freed constant, is at the farther end of its range."""
     problem, (low, high) = models.problem, models.problem.limits
-    names = [constant.name for constant in problem.constants]
-    freed = [names.index(cause.frees) for cause in fit.causes if cause.frees is not None]
+    freed = [problem.at(cause) for cause in fit.causes if cause.frees is not None]
     for k in [*problem.columns(fit.causes).tolist(), *freed]:
         # Neither the end at which an amplitude does nothing counts, nor a stated end of a shape: a
         # part of 1 is all.

@@ -12,6 +12,7 @@ import numpy as np
 from stickslip._util.arrays import Array, Indices
 from stickslip._util.text import OneLine
 from stickslip.diagnosis.fitting.forms import Form
+from stickslip.diagnosis.fitting.options import DESCENT
 from stickslip.diagnosis.fitting.problem import LOST, Problem
 from stickslip.diagnosis.terms.cause import Cause
 
@@ -20,43 +21,6 @@ _Result = TypeVar("_Result")
 Asking = Generator[tuple[Array, bool], Array, _Result]
 """A search that yields points, shape (vectors, size), and whether the draft will do, and is sent
 their residuals."""
-
-STAGES = ((10.0, np.inf), (3.0, np.inf), (1.0, 1.5))
-"""Factors of the errors and bounds of outliers of the stages before the stated errors, so that no
-search is lost in a narrow minimum. In the last one a row whose motion is still of another kind does
-not hold the others back. Chosen: half decades, and a bound at which two errors count for half."""
-
-DAMPINGS = np.array([0.0, 0.3, 10.0])
-"""Dampings relative to the curvature: the full step, those that are tried where it gains little,
-and a hundred times as much if none of them lowers the cost by exact slopes. The next ones are a
-tenth where the smaller one gains what it promises: along a narrow valley that turns they allow
-short steps only. Chosen."""
-
-SETTLED = 0.02
-"""A step that lowers the cost by less ends a descent: far below what a test or a lead counts."""
-
-# Lengths below are in coordinates, of which 1 is a standard deviation of the prior.
-# Widest difference: with a narrower one slopes see small steps of the model, with a wider one its
-# curvature. Narrowest: below it the error of a simulation is no slope. Chosen.
-_WIDE, _NARROW = 0.03, 1e-3
-# Change of a row, in its errors, that may be a jump and no slope. Chosen.
-_JUMP = 1.0
-# Steps over which a change of a row is a slope even if it jumps. Share of the promised fall of the
-# cost below which slopes are taken anew. Chosen.
-_STRIDE, _GOOD = 0.3, 0.3
-# Longest step of amplitudes and logarithms, whose coordinates are far from linear, and of other
-# constants, which may be stated many standard deviations off. Chosen.
-_STEP, _LINEAR_STEP = 2.5, 50.0
-
-# Steps after which a crawl along a narrow valley goes on; the part of a step that one counts whose
-# fall of the cost is at least that much, or that part of it. Chosen: ten times the steps at most.
-_CRAWL, _PAYS, _PART, _COUNTS = 4, 1.0, 2e-3, 0.1
-
-# Walks after a descent at most. Their moves, in the fineness of a coordinate: as far as the next
-# places of a scan. Chosen.
-_WALKS, _WALKED = 4, 4.0 * 0.5 ** np.arange(9)
-# Widths of differences by a coordinate that turns predictions, in its fineness. Chosen.
-_WIDTHS = 4.0 * 0.25 ** np.arange(7)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -122,19 +86,10 @@ def finished(problem: Problem, search: Asking[_Result]) -> _Result:
 
 
 def descend(
-    problem: Problem,
-    form: Form,
-    h: Array,
-    causes: Sequence[Cause],
-    x: Array,
-    *,
-    precision: Array | None = None,
-    steps: int = 10,
-    begin: End | None = None,
-    slopes: Array | None = None,
-    hopeless: float = np.inf,
-    draft: bool | None = None,
-) -> Asking[End]:
+    problem: Problem, form: Form, h: Array, causes: Sequence[Cause], x: Array, *,
+    precision: Array | None = None, steps: int = 10, begin: End | None = None,
+    slopes: Array | None = None, hopeless: float = np.inf, draft: bool | None = None,
+) -> Asking[End]:  # fmt: skip
     """The minimum of misfit and prior near `x`.
 
     Without `draft`, softened forms use the problem's draft, and others do not. `begin` is an end at
@@ -160,7 +115,7 @@ def descend(
         residual, slopes, exact = begin.residual, begin.slopes, begin.exact
     now = float(costs_of(form, h, x[None, free], precision, residual[None, :])[0])
     linear = [p.prior is not None and p.prior.kind == "normal" for p in problem.parameters]
-    longest = np.where(linear, _LINEAR_STEP, _STEP)[free]
+    longest = np.where(linear, DESCENT.linear_step, DESCENT.step)[free]
     factor, softer, fall, count = 1.0, 1.0, 0.0, 0.0
     while count < steps:
         prepared = form.prepared(np.column_stack([slopes, residual]))
@@ -174,9 +129,9 @@ def descend(
             if now - 0.5 * (steps - count) * max(fall, promised) > hopeless:
                 break
         fall, there, made = -np.inf, x, residual
-        for dampings in (DAMPINGS[:1], DAMPINGS[1:]):
+        for dampings in (DESCENT.dampings[:1], DESCENT.dampings[1:]):
             tries = np.tile(x, (len(dampings), 1))
-            for row, damping in zip(tries, factor * softer * dampings, strict=True):
+            for row, damping in zip(tries, factor * softer * np.array(dampings), strict=True):
                 step = _step(curvature, downhill, room, damping)
                 row[free] = np.clip(x[free] + step, low, high)
             residuals = yield tries, draft
@@ -186,23 +141,24 @@ def descend(
                 fall, there, made = now - float(costs[best]), tries[best], residuals[best]
             move = (there - x)[free]
             hoped = float(2.0 * downhill @ move - move @ curvature @ move)
-            if fall > _GOOD * hoped:
+            if fall > DESCENT.good * hoped:
                 if len(dampings) > 1:
                     softer = max(0.1 * softer, 1e-5) if best == 0 else min(10.0 * softer, 1.0)
                 break
         else:
             softer = 1.0
-        count += _COUNTS if count >= _CRAWL and fall > max(_PAYS, _PART * now) else 1.0
+        crawls = count >= DESCENT.crawl and fall > max(DESCENT.crawl_fall, DESCENT.crawl_part * now)
+        count += DESCENT.crawl_counts if crawls else 1.0
         learnt = _updated(slopes, residual - made, move, problem.sd)
         if fall > 0.0:
             x, residual, now = there, made.copy(), now - fall
             slopes, was_exact, exact, factor = learnt, exact, False, 1.0
-            if fall < SETTLED and (was_exact or hoped < SETTLED):
+            if fall < DESCENT.settled and (was_exact or hoped < DESCENT.settled):
                 break
-            if fall > _GOOD * hoped:
+            if fall > DESCENT.good * hoped:
                 continue
         elif exact:
-            if factor > 1.0 or hoped < SETTLED:
+            if factor > 1.0 or hoped < DESCENT.settled:
                 break
             factor = 100.0
             continue
@@ -214,17 +170,10 @@ def descend(
 
 
 def walk(
-    problem: Problem,
-    form: Form,
-    h: Array,
-    causes: Sequence[Cause],
-    x: Array,
-    *,
-    hopeless: float = np.inf,
-    draft: bool | None = None,
-    precision: Array | None = None,
+    problem: Problem, form: Form, h: Array, causes: Sequence[Cause], x: Array, *,
+    hopeless: float = np.inf, draft: bool | None = None, precision: Array | None = None,
     **options: Any,
-) -> Asking[End]:
+) -> Asking[End]:  # fmt: skip
     """`descend`, and again from any move along a cause's fine coordinates that lowers the cost.
 
     An event's edge changes one reading alone, so its slope leads nowhere.
@@ -235,7 +184,7 @@ def walk(
     draft = form.factor > 1.0 if draft is None else draft
     precision = precision_of(problem, causes) if precision is None else precision
     free = problem.free(causes)
-    for _ in range(_WALKS if moves and end.cost < hopeless else 0):
+    for _ in range(DESCENT.walks if moves and end.cost < hopeless else 0):
         tries = np.clip(end.x + moves, *problem.limits)
         costs = np.empty(len(tries))
         for begin in range(0, len(tries), problem.at_once):
@@ -243,7 +192,7 @@ def walk(
             residual = yield tries[part], draft
             costs[part] = costs_of(form, h, tries[part][:, free], precision, residual)
         best = int(np.argmin(np.where(np.isfinite(costs), costs, np.inf)))
-        if not costs[best] < end.cost - SETTLED:
+        if not costs[best] < end.cost - DESCENT.settled:
             break
         options |= {"begin": None, "slopes": end.slopes, "hopeless": np.inf}
         end = yield from descend(problem, form, h, causes, tries[best], **options)
@@ -253,7 +202,7 @@ def walk(
 def _moves(problem: Problem, cause: Cause) -> list[Array]:
     """Moves of the fine coordinates of a cause, alone and two together, as vectors (size,)."""
     fine = [k for k in problem.columns([cause]).tolist() if problem.turning[k]]
-    steps = np.concatenate([[0.0], _WALKED, -_WALKED])
+    steps = np.concatenate([[0.0], DESCENT.moves, np.negative(DESCENT.moves)])
     together, moves = min(len(fine), 2), []
     for some in itertools.combinations(fine, together) if fine else ():
         for sizes in itertools.product(steps, repeat=together):
@@ -267,11 +216,11 @@ def _updated(slopes: Array, change: Array, move: Array, sd: Array) -> Array:
     """Slopes that agree with the change of the predictions over a step (Broyden, 1965)."""
     length = float(np.linalg.norm(move))
     # A short step says more of the jumps of the model than of its slope.
-    if length <= _NARROW:
+    if length <= DESCENT.narrow:
         return slopes
     gap = change - slopes @ move
-    if length < _STRIDE:
-        gap = np.clip(gap, -_JUMP * sd, _JUMP * sd)
+    if length < DESCENT.stride:
+        gap = np.clip(gap, -DESCENT.jump * sd, DESCENT.jump * sd)
     return np.asarray(slopes + np.outer(gap, move) / length**2)
 
 
@@ -303,14 +252,9 @@ def step_within(curvature: Array, downhill: Array, low: Array, high: Array) -> A
 
 
 def derivatives(
-    problem: Problem,
-    x: Array,
-    free: Indices,
-    residual: Array,
-    draft: bool = False,
-    spread: Array | None = None,
-    central: bool = False,
-) -> Asking[Array]:
+    problem: Problem, x: Array, free: Indices, residual: Array, draft: bool = False,
+    spread: Array | None = None, central: bool = False,
+) -> Asking[Array]:  # fmt: skip
     """Slopes of the predictions by differences, shape (n, free).
 
     Differences are about as wide as what the data leaves open, `spread`. Where one shows a jump of
@@ -330,15 +274,15 @@ def derivatives(
         for k in np.flatnonzero(turning).tolist():
             slopes[:, k] = yield from _fine_slope(problem, x, int(free[k]), residual, draft)
         return slopes
-    width = _WIDE * fineness
+    width = DESCENT.wide * fineness
     if spread is not None:
-        width = np.clip(spread, _NARROW * fineness, width)
+        width = np.clip(spread, DESCENT.narrow * fineness, width)
     low, high = problem.limits[:, free]
     first = np.where(x[free] + 0.5 * width > high, -width, np.minimum(width, high - x[free]))
     second = np.where(x[free] - 0.5 * width < low, 2.0 * width, -np.minimum(width, x[free] - low))
     second = np.where(first < 0.0, 2.0 * first, second)
     near = yield from _differences(problem, x, free, residual, first, draft)
-    jumps = np.any(np.abs(near * first) > _JUMP * problem.sd[:, None], axis=0)
+    jumps = np.any(np.abs(near * first) > DESCENT.jump * problem.sd[:, None], axis=0)
     again = np.flatnonzero(jumps | central)
     if not len(again):
         return near
@@ -348,7 +292,7 @@ def derivatives(
     beyond = (two * far - one * near[:, again]) / np.where(one == two, 1.0, two - one)
     far = np.where(one * two > 0.0, beyond, far)
     reach = np.maximum(np.abs(one), np.abs(two))
-    jumped = np.abs(near[:, again] - far) * reach > _JUMP * problem.sd[:, None]
+    jumped = np.abs(near[:, again] - far) * reach > DESCENT.jump * problem.sd[:, None]
     milder = np.where(np.abs(near[:, again]) < np.abs(far), near[:, again], far)
     near[:, again] = np.where(jumped, milder, 0.5 * (near[:, again] + far))
     return near
@@ -359,7 +303,7 @@ def _fine_slope(problem: Problem, x: Array, k: int, residual: Array, draft: bool
 
     Of each side by the widest move that changes the predictions by one error at most.
     """
-    widths = problem.fineness[k] * _WIDTHS
+    widths = problem.fineness[k] * np.array(DESCENT.widths)
     moves = np.stack([widths, -widths])
     points = np.tile(x, (2, len(widths), 1))
     points[..., k] = np.clip(x[k] + moves, *problem.limits[:, k])
@@ -371,7 +315,7 @@ def _fine_slope(problem: Problem, x: Array, k: int, residual: Array, draft: bool
     sides = []
     for way in range(2):
         known = np.flatnonzero(moves[way] != 0.0)
-        calm = known[size[way, known] <= _JUMP]
+        calm = known[size[way, known] <= DESCENT.jump]
         if len(known):
             at = calm[0] if len(calm) else known[-1]
             sides.append(change[way, at] / moves[way, at])

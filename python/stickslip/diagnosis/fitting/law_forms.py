@@ -12,8 +12,9 @@ from stickslip._util.arrays import Array
 from stickslip.diagnosis.fitting.descent import Asking, in_step
 from stickslip.diagnosis.fitting.forms import PRIOR
 from stickslip.diagnosis.fitting.models import Fit, minimise, sharpened
+from stickslip.diagnosis.fitting.options import SEARCH
 from stickslip.diagnosis.fitting.problem import FREED
-from stickslip.diagnosis.fitting.search import NEAR, Models
+from stickslip.diagnosis.fitting.search import Models
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.curve import SHAPES
 from stickslip.diagnosis.terms.laws import forms
@@ -48,7 +49,7 @@ def _compared(models: Models, names: frozenset[str], law: Cause) -> Models:
     if models.problem.wider is None or not others:
         return models
     models = models.widened(models.problem.wider(models.problem, others), models.offered)
-    problem, least = models.problem, models.log_posterior(models.leaders(1)[0]) - NEAR
+    problem, least = models.problem, models.log_posterior(models.leaders(1)[0]) - SEARCH.near
     evidence: dict[str, dict[str, Fit]] = {}
     for name in models.forms:
         old = models.get(names, name)

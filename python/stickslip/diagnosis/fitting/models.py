@@ -86,10 +86,19 @@ class Fit(OneLine):
         """Names of the causes, or ``none``."""
         return " + ".join(sorted(self.names)) or "none"
 
+    def swaps(self, other: Fit) -> bool:
+        """Whether another model has one other cause in place of one of these."""
+        return len(self.names ^ other.names) == 2 and len(self.names) == len(other.names)
+
     @property
     def end(self) -> End:
         """Where it is, to begin another descent of the same model."""
         return End(self.x, self.residual, self.slopes, math.nan)
+
+
+def is_near_data(problem: Problem, residual: Array) -> bool:
+    """Whether a residual is below ten errors in the mean."""
+    return float(np.sum(problem.chi2_of_tables(residual[None]))) < NEAR_DATA * len(problem.y)
 
 
 def log_prior(causes: Sequence[Cause], form: str, odds: float) -> float:
@@ -101,16 +110,9 @@ def log_prior(causes: Sequence[Cause], form: str, odds: float) -> float:
 
 
 def minimise(
-    problem: Problem,
-    form: Form,
-    causes: Sequence[Cause],
-    x: Array,
-    *,
-    h: Array | None = None,
-    slopes: Array | None = None,
-    hopeless: float = math.inf,
-    least: float = -math.inf,
-) -> Asking[Fit]:
+    problem: Problem, form: Form, causes: Sequence[Cause], x: Array, *, h: Array | None = None,
+    slopes: Array | None = None, hopeless: float = math.inf, least: float = -math.inf,
+) -> Asking[Fit]:  # fmt: skip
     """Fit a model from `x`: its coordinates in the inner product of h, and h at the coordinates.
 
     They take turns until the coordinates are at the minimum of the new inner product, until the
@@ -170,10 +172,8 @@ def _fit(
 def sharpened(problem: Problem, form: Form, old: Fit) -> Asking[Fit]:
     """The same fit with central derivatives, and so a better evidence."""
     spread = np.sqrt(np.maximum(np.diag(old.covariance), 0.0))
-    slopes = yield from derivatives(
-        problem, old.x, old.free, old.residual, spread=spread, central=True
-    )
-    end = End(old.x, old.residual, slopes, math.nan)
+    where = problem, old.x, old.free, old.residual
+    end = End(old.x, old.residual, (yield from derivatives(*where, False, spread, True)), math.nan)
     return _fit(problem, form, old.causes, end, old.h)[0]
 
 

@@ -28,36 +28,22 @@ from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.errors import ScenarioError
 
+# Points of the priors at which a unit is looked at, and units that are fitted. Chosen: with fewer
+# points an oscillation is out of phase at all of them.
 _DRAWS, _FITTED = 12, 4
-"""Points of the priors at which a unit is looked at, and units that are fitted. Chosen: with fewer
-points an oscillation is out of phase at all of them."""
-
+# Factor, either way, up to which one constant may be a part that was mistaken. Chosen: a wrong gear
+# or winding is tenfold; what is farther off is a unit.
 _WRONG_PART = 30.0
-"""Factor, either way, up to which one constant may be a part that was mistaken. Chosen: a wrong
-gear or winding is tenfold; what is farther off is a unit."""
-
-_SCANNED = 97
-"""Values at which one constant is looked at. Chosen: 7 % apart, as a period is lost beyond."""
-
-_LIKE = 0.05
-"""A model is like the readings if it leaves less than this part of their variance. Chosen, as the
-next two are: causes of the usual size change less."""
-
-_MISSED = 4.0
-"""The stated units are wrong only if they leave this many times more than others,"""
-
-_FAR = 4.0
-"""or if they move a constant by more stated errors than this."""
-
-_SMALL = 0.02
-"""Errors that are not known, in the scatter of the readings. Chosen: few sensors are worse."""
-
-_SAME = 0.1
-"""Logarithm of the ratio of two factors that need not differ: 180 / pi and 60. Chosen."""
-
+_SCANNED = 97  # values at which one constant is looked at; chosen: beyond 7 % a period is lost
+# A model is like the readings if it leaves less than this part of their variance. The stated units
+# are wrong only if they leave so many times more than others, or move a constant by more stated
+# errors. Chosen: causes of the usual size change less.
+_LIKE, _MISSED, _FAR = 0.05, 4.0, 4.0
+_SMALL = 0.02  # errors not known, in the scatter of the readings; chosen: few sensors are worse
+_SAME = 0.1  # logarithm of the ratio of two factors that need not differ: 180 / pi and 60; chosen
+# Cost by which a unit is ahead of one constant that is off, and up to which two units are alike.
+# Chosen: a chance of 1 in 400.
 _LEAD = 12.0
-"""Cost by which a unit is ahead of one constant that is off, and up to which two units are alike.
-Chosen: a chance of 1 in 400."""
 
 
 @dataclass(frozen=True)
@@ -91,22 +77,12 @@ class _End:
 
 
 def unit_fault(
-    problem: Problem,
-    of: Callable[[Sequence[Table]], Problem],
-    known: Mapping[str, tuple[str, Sequence[str]]],
-    seed: int,
-) -> Note | None:
+    problem: Problem, of: Callable[[Sequence[Table]], Problem],
+    known: Mapping[str, tuple[str, Sequence[str]]], seed: int,
+) -> Note | None:  # fmt: skip
     """A note where readings are the stated model's in a unit that nobody stated; else None.
 
-    Parameters
-    ----------
-    problem : Problem
-    of : callable
-        The problem of other tables.
-    known : mapping
-        What columns are called in words, and their SI units, by name.
-    seed : int
-        Of the points of the priors.
+    `of` makes the problem of other tables; `known` has what columns are called, and their SI units.
     """
     if len(problem.y) < len(problem.constants) + FEWEST:
         return None
@@ -125,9 +101,8 @@ def unit_fault(
     null = fits[0]
     if _is_like(null, problem, variance / _MISSED) and null.moved < _FAR:
         return None
-    meant = _fits(_in_units(problem, of, known, seed), _FITTED) + _fits(
-        _beyond(problem, seed), _FITTED
-    )
+    meant = _fits(_in_units(problem, of, known, seed), _FITTED)
+    meant += _fits(_beyond(problem, seed), _FITTED)
     best = min(meant, key=lambda end: end.chi2 + end.penalty, default=null)
     missed = null.chi2 > _MISSED * best.chi2 or null.moved > _FAR
     if not missed or best.moved > _FAR or not _is_like(best, problem, variance):
@@ -159,11 +134,9 @@ def _is_like(end: _End, problem: Problem, variance: float) -> bool:
 
 
 def _in_units(
-    problem: Problem,
-    of: Callable[[Sequence[Table]], Problem],
-    known: Mapping[str, tuple[str, Sequence[str]]],
-    seed: int,
-) -> Iterator[_Try]:
+    problem: Problem, of: Callable[[Sequence[Table]], Problem],
+    known: Mapping[str, tuple[str, Sequence[str]]], seed: int,
+) -> Iterator[_Try]:  # fmt: skip
     """Each other unit of each column that states none."""
     tables = problem.tables
     for column in dict.fromkeys(name for table in tables for name in table.unstated):

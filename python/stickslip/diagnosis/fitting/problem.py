@@ -8,6 +8,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -47,10 +48,20 @@ searched, of a shape where its prior leaves out one in 400. Chosen."""
 HUGE = 1e100
 """Size of a prediction beyond which it is as good as none: its square overflows."""
 
-_MOST_PREDICTED = 1 << 22  # numbers of predictions at once: 32 MiB; chosen
+_MOST_PREDICTED = 1 << 20  # numbers of predictions at once: 8 MiB; chosen
 
 # Numbers that the cache of predictions keeps, 16 MiB: those of some hundred fits of a large table.
 _MOST_CACHED = 1 << 21
+
+
+class Part(NamedTuple):
+    """A table of a problem, its rows, and what it and its readings are called."""
+
+    table: Table
+    rows: slice
+    name: str
+    title: str
+    errors: Errors
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -155,6 +166,10 @@ class Problem(OneLine):
         places = enumerate(self.names[len(self.constants) :], len(self.constants))
         return np.array([k for k, name in places if name in chosen], dtype=np.int64)
 
+    def at(self, cause: Cause) -> int:
+        """Coordinate of the constant that a cause frees."""
+        return self.names.index(str(cause.frees))
+
     def free(self, causes: Sequence[Cause]) -> Indices:
         """Coordinates that a model with these causes fits: the constants, and the causes' own."""
         return np.concatenate([np.arange(len(self.constants)), self.columns(causes)])
@@ -165,11 +180,10 @@ class Problem(OneLine):
         A model's evidence is the mean over them, of which there are several where a constant is
         freed or a cause is a law: see `Curve`.
         """
-        names, at = [constant.name for constant in self.constants], len(self.constants)
-        parts = [np.eye(len(self.free(causes)))]
+        at, parts = len(self.constants), [np.eye(len(self.free(causes)))]
         for cause in causes:
             if cause.frees is not None:
-                index = names.index(cause.frees)
+                index = self.at(cause)
                 widths: tuple[float, ...] = FREED
                 if cause.curve:  # a form has a level, which may be the stated one
                     widths = FREED[:1] if cause.has_knots else (1.0, FREED[0])
@@ -204,6 +218,12 @@ class Problem(OneLine):
     def titles(self) -> list[str]:
         """What the readings of each table are called."""
         return [table.title or f"table {k}" for k, table in enumerate(self.tables, start=1)]
+
+    @property
+    def parts(self) -> list[Part]:
+        """Each table with its rows and what it is called."""
+        columns = self.tables, self.rows, self.table_names, self.titles, self.errors
+        return list(itertools.starmap(Part, zip(*columns, strict=True)))
 
     @cached_property
     def y(self) -> Array:

@@ -40,18 +40,29 @@ class Response(OneLine):
 
     `x`, shape (size,), are the coordinates of its best amplitudes with the rest recalibrated, which
     lower the cost of misfit and prior by `gain`. `gaps`, shape (amplitudes, n), are changes of the
-    predictions by one amplitude each. `slopes`, shape (n, free), are those of the model with the
-    cause, to begin its fit with. `tried`, shape (directions, n), are the changes by all that was
-    tried of the cause, whatever the data; the opposite of those with `either` counts, too.
+    predictions by one amplitude each, of sizes `values`. `base`, shape (n, fitted), are the slopes
+    at the fit; with gaps they are the `columns` of the `free` ones with the cause. `tried`, shape
+    (directions, n), are the changes by all that was tried of the cause, whatever the data; the
+    opposite of those with `either` counts, too.
     """
 
     cause: Cause
     x: Array
     gain: float
     gaps: Array
-    slopes: Array
+    values: Array
+    base: Array
+    columns: list[int]
+    free: int
     tried: Array
     either: Mask
+
+    @property
+    def slopes(self) -> Array:
+        """Slopes of the model with the cause, shape (n, free), to begin its fit with; made anew."""
+        slopes = np.zeros((len(self.base), self.free))
+        slopes[:, self.columns] = np.hstack([self.base, self.gaps.T / self.values])
+        return slopes
 
 
 @dataclass(frozen=True)
@@ -65,15 +76,9 @@ class _Probe:
 
 
 def responses(
-    problem: Problem,
-    end: End,
-    causes: Sequence[Cause],
-    offered: Sequence[Cause],
-    form: Form,
-    h: Array,
-    sizes: Sequence[float] = AMPLITUDES,
-    draft: bool = False,
-) -> list[Response]:
+    problem: Problem, end: End, causes: Sequence[Cause], offered: Sequence[Cause], form: Form,
+    h: Array, sizes: Sequence[float] = AMPLITUDES, draft: bool = False,
+) -> list[Response]:  # fmt: skip
     """Responses of causes that are offered beside `causes`, which are fitted at `end`.
 
     By one batch of predictions, with `draft` of the problem's draft. `form` and `h` are the inner
@@ -152,7 +157,7 @@ def _places(problem: Problem, fine: Sequence[int], k: int) -> tuple[float, ...]:
     """Places of a fine coordinate all over its range, as many as it and the other ones allow."""
     wanted = np.ptp(problem.scanned[:, fine], axis=0) / (2.0 * problem.fineness[fine])
     most = min(_MOST_PLACES if problem.turning[fine].all() else _FEW_PLACES,
-               problem.at_once)  # fmt: skip
+               4 * problem.at_once)  # fmt: skip
     thinner = max(float(np.prod(wanted)) / most, 1.0) ** (1.0 / len(fine))
     low, high = problem.scanned[:, k]
     count = max(math.ceil((high - low) / (2.0 * problem.fineness[k] * thinner)), 1)
@@ -160,13 +165,9 @@ def _places(problem: Problem, fine: Sequence[int], k: int) -> tuple[float, ...]:
 
 
 def _best(
-    problem: Problem,
-    end: End,
-    causes: Sequence[Cause],
-    probes: Sequence[_Probe],
-    gram: Array,
+    problem: Problem, end: End, causes: Sequence[Cause], probes: Sequence[_Probe], gram: Array,
     gaps: Array,
-) -> list[Response]:
+) -> list[Response]:  # fmt: skip
     """The amplitudes of the probes of a cause, within what is trusted, that lower the cost most.
 
     Of many probes, the best are returned.
@@ -205,9 +206,8 @@ def _best(
         x, mine = end.x.copy(), gaps[k * m : (k + 1) * m]
         x[fitted] += rest[k]
         x[moved], x[[*probes[k].shapes]] = amplitudes[k], places[k]
-        slopes = np.zeros((len(end.residual), len(free)))
-        slopes[:, columns] = np.hstack([end.slopes, mine.T / values[k]])
-        found.append(Response(cause, x, float(gain[k]), mine, slopes, gaps, either))
+        found.append(Response(cause, x, float(gain[k]), mine, values[k], end.slopes, columns,
+                              len(free), gaps, either))  # fmt: skip
     return found
 
 

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -16,9 +14,10 @@ from stickslip.diagnosis.data.errors import FEWEST, Errors, freedom, of_one_mete
 from stickslip.diagnosis.data.series import SMOOTH
 from stickslip.diagnosis.fitting.descent import End, end_at, in_step, precision_of, walk
 from stickslip.diagnosis.fitting.forms import Exact
+from stickslip.diagnosis.fitting.options import SEARCH
 from stickslip.diagnosis.fitting.problem import Problem
-from stickslip.diagnosis.fitting.responses import responses
-from stickslip.diagnosis.fitting.search import APART, recalibrated, separated
+from stickslip.diagnosis.fitting.responses import Response, responses
+from stickslip.diagnosis.fitting.starts import recalibrated, separated
 
 # Rounds of fit and scatter and steps of each; ends beside the recalibrated model about which single
 # causes are tried, steps of a look from each of them, looks that are followed, and looks of each
@@ -47,36 +46,29 @@ def with_scatter(problem: Problem, seed: int) -> Problem:
     problem = _scattered(problem, unknown, null.residual, len(null.free))
     form, h = Exact(problem), np.zeros(0)
     views = [null.end, *in_step(problem, [end_at(problem, (), end.x) for end in ends[:_VIEWS]])]
-    starts = [view.x for view in views]
+    effects = list[Response]()
     for view in views:
-        tried = Counter[str]()
-        for effect in responses(problem, view, (), problem.causes, form, h):
-            tried[effect.cause.name] += 1
-            if tried[effect.cause.name] <= _OF_CAUSE:
-                starts.append(effect.x)
-    apart = list(separated(starts, lambda x: x, APART))
-    looks = _descended(problem, form, apart, _LOOK)
-    starts = [look.x for look in looks[:_FOLLOWED]]
-    for _ in range(_ROUNDS):
-        form = Exact(problem)
-        best = _descended(problem, form, starts, _STEPS)[0]
-        starts = [best.x]
-        spent = _parameters(problem, form, best)
+        every = responses(problem, view, (), problem.causes, form, h)
+        for cause in problem.causes:
+            effects += [effect for effect in every if effect.cause is cause][:_OF_CAUSE]
+    # With its own cause alone, as all together have many slopes.
+    looks = [walk(problem, form, h, [effect.cause], effect.x, steps=_LOOK, slopes=effect.slopes)
+             for effect in separated(effects, lambda effect: effect.x, SEARCH.apart)]  # fmt: skip
+    ends = sorted(in_step(problem, looks), key=lambda end: end.cost)
+    starts = [*(end.x for end in ends[: _FOLLOWED - 1]), null.x]
+    while True:
+        for _ in range(_ROUNDS if unknown else 1):
+            form = Exact(problem)
+            walks = [walk(problem, form, h, problem.causes, x, steps=_STEPS) for x in starts]
+            best = min(in_step(problem, walks), key=lambda end: end.cost)
+            starts, spent = [best.x], _parameters(problem, form, best)
+            problem = _scattered(problem, unknown, best.residual, spent)
+        rougher = [k for k in curves if k not in unknown and _size(problem, k, best.residual, spent)
+                   < _LESS * problem.errors[k].sizes["s0"]]  # fmt: skip
+        if not rougher:
+            return problem
+        unknown = [*unknown, *rougher]
         problem = _scattered(problem, unknown, best.residual, spent)
-    rougher = [k for k in curves if _size(problem, k, best.residual, spent)
-               < _LESS * problem.errors[k].sizes["s0"]]  # fmt: skip
-    if rougher:
-        tables = list(problem.tables)
-        for k in rougher:
-            tables[k] = tables[k].having(errors=replace(tables[k].errors, dof=0.0, notes=()))
-        return with_scatter(problem.with_tables(tables), seed)
-    return problem
-
-
-def _descended(problem: Problem, form: Exact, starts: Sequence[Array], steps: int) -> list[End]:
-    """Ends of fits of all causes, the best first."""
-    every = [walk(problem, form, np.zeros(0), problem.causes, x, steps=steps) for x in starts]
-    return sorted(in_step(problem, every), key=lambda end: end.cost)
 
 
 def _parameters(problem: Problem, form: Exact, end: End) -> float:

@@ -8,100 +8,33 @@ contains.
 from __future__ import annotations
 
 import contextlib
-import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeVar
 
 import numpy as np
-from scipy.special import ndtri
-from scipy.stats import qmc
 
 from stickslip._util.arrays import Array
-from stickslip.diagnosis.fitting.descent import (
-    SETTLED,
-    STAGES,
-    Asking,
-    End,
-    costs_of,
-    descend,
-    end_at,
-    in_step,
-    precision_of,
-    walk,
-)
+from stickslip.diagnosis.fitting.descent import Asking, End, costs_of, end_at, in_step, precision_of
 from stickslip.diagnosis.fitting.draws import FEWEST, drawn
-from stickslip.diagnosis.fitting.forms import Form, Softened, forms
+from stickslip.diagnosis.fitting.forms import Form, forms
 from stickslip.diagnosis.fitting.models import (
-    NEAR_DATA,
     Fit,
     covariance_beside,
+    is_near_data,
     linear,
     log_prior,
     minimise,
     sharpened,
 )
-from stickslip.diagnosis.fitting.problem import FINE, Problem, lack_of_fit
+from stickslip.diagnosis.fitting.options import DESCENT, SEARCH
+from stickslip.diagnosis.fitting.problem import Problem, lack_of_fit
 from stickslip.diagnosis.fitting.responses import USUAL, Response, responses
+from stickslip.diagnosis.fitting.starts import first_looks, looked, separated, softened
 from stickslip.diagnosis.terms.cause import Cause
 
-_Item = TypeVar("_Item")
 Progress = Callable[[float, str], None]
 """``progress(fraction, stage)`` is told the fraction that is done and what comes next."""
-
-LEADERS, ROUNDS = 3, 4
-"""Models that are looked at beside in a round, and most rounds. Chosen: with fewer leaders a near
-twin is missed."""
-
-NEAR, MOST_CAUSES = 6.0, 3
-"""Log posterior odds within which models are refined, and most causes of a model. Chosen."""
-
-# Points of a scan of the constants; most descents of each of `STAGES` and of the stated errors;
-# strata of constants that are known in range only. Chosen.
-_SCAN, _DESCENTS, _STRATA = 128, (12, 5, 4, 2), 12
-# p-value of the lack of fit below which more starts follow: a right model has a smaller one in one
-# case of five, and then pays for a second scan. That from which on two causes leave nothing to a
-# third. Chosen.
-_DOUBTFUL, _EXPLAINS = 0.2, 0.01
-APART = 0.7
-"""Distance, in coordinates, of starts that lead elsewhere. Chosen."""
-
-# Distance below which ends are one. Chosen.
-_SAME = 0.05
-# Steps of a first look at a model, and how far behind the best cost one may be to go on.
-_LOOK, _HOPELESS = 3, 30.0
-# How far below the leader of its form, in log posterior odds, a promised evidence may be before its
-# fit is given up. Chosen.
-_BEHIND = 2.0 * NEAR
-# Part of chi-square that a round leaves at most, where no model is near the data, if another one
-# follows without a new leader. Chosen.
-_PAYS = 0.5
-# Fits of a search after which no further leader is looked beside: where nothing explains the data,
-# each look finds others. Chosen: a pair takes 160.
-_MOST_FITS = 250
-# Causes that are tried about a leader, of each kind of neighbour; least fall of the cost that one
-# more has to promise (with less its model is not compared); and least growth of the log-evidence
-# after which a leader is looked beside again.
-_MORE, _WORTH, _BETTER = 6, 2.0, 1.0
-# Amplitudes at which a cause is tried about the recalibrated model, and beside the best one, where
-# precise readings leave little room. Chosen.
-_SMALL, _SMALLER = (0.15, USUAL), (0.002, 0.02, 0.15, USUAL)
-# Sets of causes whose evidence is corrected by draws. Chosen.
-_DRAWN = 4
-# Single causes from whose constants the recalibrated model is fitted again. Chosen.
-_RIVALS = 8
-# Ends about which single causes are looked for, beside the stated constants, and starts of each
-# that are looked at; steps of each stage of a look where predictions change over a small part of
-# the range of a shape. Chosen.
-_VIEWS, _LOOKED_AT, _LONGER_LOOK = 3, 6, 10
-# Places of a scan of a freed constant, and how far it goes in stated standard deviations. Chosen: a
-# wrong estimate is rarely farther off.
-_PLACES, _WIDENED = 9, 8.0
-# Chi-square per row up to which a model leaves hardly more than its errors. Chosen.
-_COMFORTABLE = 1.1
-# Models that are fitted with each further form of the discrepancy.
-_OTHER_FORMS = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,7 +94,7 @@ class Models:
     @property
     def reaches(self) -> bool:
         """Whether some model comes near the data, to ten errors in the mean."""
-        return any(_is_near_data(self.problem, fit.residual) for fit in self.leaders(form="exact"))
+        return any(is_near_data(self.problem, fit.residual) for fit in self.leaders(form="exact"))
 
     @property
     def hopeless(self) -> float:
@@ -169,7 +102,7 @@ class Models:
 
         Where none is near the data, a few errors less say nothing of where a search would end.
         """
-        return self.leaders(1, "exact")[0].cost + _HOPELESS if self.reaches else math.inf
+        return self.leaders(1, "exact")[0].cost + SEARCH.margin if self.reaches else math.inf
 
     @property
     def null(self) -> Fit:
@@ -218,7 +151,7 @@ class Models:
         if start.causes and rivals:
             prior = self.log_prior(start.causes, start.form)
             prior += self.corrections.get(frozenset(cause.name for cause in start.causes), 0.0)
-            least = self.log_posterior(rivals[0]) - prior - _BEHIND
+            least = self.log_posterior(rivals[0]) - prior - SEARCH.behind
             if start.form == "exact":
                 hopeless = min(hopeless, self.hopeless)
         try:
@@ -238,96 +171,23 @@ def _linear(problem: Problem, form: Form, causes: Sequence[Cause], end: End) -> 
         yield linear(problem, form, causes, end)
 
 
-def _is_near_data(problem: Problem, residual: Array) -> bool:
-    """Whether a residual is below ten errors in the mean."""
-    return float(np.sum(problem.chi2_of_tables(residual[None]))) < NEAR_DATA * len(problem.y)
-
-
-def recalibrated(problem: Problem, seed: int) -> tuple[Fit, list[End]]:
-    """The model without a cause from starts all over the priors, and the ends at larger errors.
-
-    Where the first starts end with a misfit, others from a second scan follow, of all strata of the
-    constants that are known in range only: a wrong minimum would be taken for a hidden cause.
-    """
-    exact = forms(problem, ["exact"])["exact"]
-    count = _SCAN if len(problem.constants) > 1 else _SCAN // 4
-    starts = list(separated(_scan(problem, count, seed), lambda x: x, APART))
-    best, ends = _descended(problem, exact, starts)
-    if problem.constants and lack_of_fit(problem, best.chi2, len(problem.y)) < _DOUBTFUL:
-        again, more = _descended(problem, exact, _strata(problem, _scan(problem, _SCAN, seed + 1)))
-        best = min((best, again), key=lambda fit: fit.cost)
-        ends = sorted([*ends, *more], key=lambda end: end.cost)
-    return best, ends
-
-
-def _descended(problem: Problem, exact: Form, starts: Sequence[Array]) -> tuple[Fit, list[End]]:
-    """The best fit from some starts by all stages, and the ends of the softest."""
-    softest: list[End] = []
-    for stage, most in zip(STAGES, _DESCENTS, strict=False):
-        soft = Softened(problem, *stage)
-        every = [descend(problem, soft, np.zeros(0), (), x) for x in starts[:most]]
-        ends = sorted(in_step(problem, every), key=lambda end: end.cost)
-        distinct = list(separated(ends, lambda end: end.x, _SAME))
-        softest = softest or distinct
-        starts = [end.x for end in distinct]
-    fits = [minimise(problem, exact, (), x) for x in starts[: _DESCENTS[-1]]]
-    return min(in_step(problem, fits), key=lambda fit: fit.cost), softest
-
-
-def _scan(problem: Problem, count: int, seed: int) -> Array:
-    """Points drawn from the priors of the constants, shape (count, size), the best first."""
-    p, x = len(problem.constants), np.zeros((count, problem.size))
-    if p:
-        sobol = qmc.Sobol(p, scramble=True, seed=seed).random(count)
-        x[1:, :p] = ndtri(np.clip(sobol, 1e-3, 1.0 - 1e-3))[1:]
-    soft = Softened(problem, *STAGES[0])
-    cost = soft.cost(problem.residuals(x, True), np.zeros(0)) + np.sum(x[:, :p] ** 2, axis=1)
-    return np.asarray(x[np.argsort(cost, kind="stable")])
-
-
-def _strata(problem: Problem, points: Array) -> list[Array]:
-    """The best point of each stratum of the constants that are known in range only."""
-    wide = [k for k, constant in enumerate(problem.constants) if not constant.is_stated]
-    chosen = list(separated(points, lambda point: point, APART))[: _STRATA // 2]
-    for k in wide:
-        edges = np.quantile(points[:, k], np.linspace(0.0, 1.0, max(_STRATA // len(wide), 3) + 1))
-        place = np.searchsorted(edges[1:-1], points[:, k])
-        chosen += [points[np.flatnonzero(place == stratum)[0]] for stratum in np.unique(place)]
-    return chosen
-
-
-def separated(
-    items: Iterable[_Item], place: Callable[[_Item], Array], distance: float
-) -> Iterator[_Item]:
-    """Those that are not closer than a distance to an earlier one."""
-    kept: list[Array] = []
-    for item in items:
-        at = place(item)
-        if not kept or np.all(np.linalg.norm(np.array(kept) - at, axis=1) > distance):
-            kept.append(at)
-            yield item
-
-
 def search(
-    models: Models,
-    ends: Sequence[End],
-    causes: Sequence[Cause],
-    say: Progress = lambda fraction, stage: None,
-    seed: int = 0,
-) -> None:
+    models: Models, ends: Sequence[End], causes: Sequence[Cause], say: Progress = lambda fraction,
+    stage: None, seed: int = 0,
+) -> None:  # fmt: skip
     """Fit the models that the data may come from, with `causes` that have no fit yet.
 
     `models` has the recalibrated one; `ends` are of `recalibrated`.
     """
     problem = models.problem
     _fit_singles(models, ends, causes)
-    most, done = models.begun + _MOST_FITS, {frozenset[str](): models.null.log_evidence}
-    for turn in range(ROUNDS):
-        say(0.3 + 0.5 * turn / ROUNDS, "comparing models")
+    most, done = models.begun + SEARCH.most_fits, {frozenset[str](): models.null.log_evidence}
+    for turn in range(SEARCH.rounds):
+        say(0.3 + 0.5 * turn / SEARCH.rounds, "comparing models")
         new = [
             fit
             for fit in _worth_a_look(models)
-            if fit.log_evidence > done.get(fit.names, -math.inf) + _BETTER
+            if fit.log_evidence > done.get(fit.names, -math.inf) + SEARCH.better
             and not (fit.names in done and _leaves_too_little(models, fit))
         ]
         # Where the best model leaves ten errors in each row, few looks beside others explain more.
@@ -342,7 +202,7 @@ def search(
                 _look_beside(models, leader)
         _fit_other_forms(models)
         _fit_exact_again(models)
-        pays = models.leaders(1, "exact")[0].chi2 < _PAYS * before
+        pays = models.leaders(1, "exact")[0].chi2 < SEARCH.pays * before
         leads_anew = models.leaders(1)[0].names not in done
         if not reaches and not pays and not leads_anew:
             break
@@ -365,14 +225,15 @@ def _draw(models: Models, seed: int) -> None:
         sets.setdefault(fit.names, fit)
     if not models.reaches or len(sets) == 1:
         return
-    for names, fit in [pair for pair in sets.items() if pair[0] not in models.corrections][:_DRAWN]:
+    new = [pair for pair in sets.items() if pair[0] not in models.corrections]
+    for names, fit in new[: SEARCH.drawn]:
         form = models.forms[fit.form]
         draws = drawn(problem, form, fit, seed)
         if draws is None:
             continue
         at = int(np.argmax(draws.weight))
         best, cost = draws.x[at], form.cost(draws.residual[[at]], fit.h)[0]
-        if float(cost + best[fit.free] @ fit.precision @ best[fit.free]) < fit.cost - _BETTER:
+        if float(cost + best[fit.free] @ fit.precision @ best[fit.free]) < fit.cost - SEARCH.better:
             models.add_fits([Start(fit.form, fit.causes, best, h=fit.h)])
             fit = models.best[names, fit.form]
             draws = drawn(problem, form, fit, seed) or draws
@@ -394,7 +255,7 @@ def screened(models: Models, effects: Sequence[Response]) -> None:
 def _near(models: Models) -> list[Fit]:
     """The models that a verdict compares."""
     leaders = models.leaders()
-    least = models.log_posterior(leaders[0]) - NEAR
+    least = models.log_posterior(leaders[0]) - SEARCH.near
     return [fit for fit in leaders if models.log_posterior(fit) > least]
 
 
@@ -409,13 +270,13 @@ def _worth_a_look(models: Models) -> list[Fit]:
     sets: dict[frozenset[str], Fit] = {}
     for fit in _near(models):
         sets.setdefault(fit.names, fit)
-    fits = [fit for fit in sets.values() if fit.causes][:LEADERS]
+    fits = [fit for fit in sets.values() if fit.causes][: SEARCH.leaders]
     if any(cause.curve for cause in models.offered):
         first = models.leaders(1)[0]
         return [fit for fit in fits if fit is first or any(cause.curve for cause in fit.causes)]
     best = models.leaders(form="exact")
-    if best[0].chi2 > _COMFORTABLE * len(models.problem.y):
-        singles = [fit for fit in best if len(fit.causes) == 1][: 2 * LEADERS]
+    if best[0].chi2 > SEARCH.comfortable * len(models.problem.y):
+        singles = [fit for fit in best if len(fit.causes) == 1][: 2 * SEARCH.leaders]
         pairs = [fit for fit in best if len(fit.causes) == 2][:1]
         fits += [fit for fit in (*singles, *pairs) if fit.names not in sets]
     return fits
@@ -424,22 +285,22 @@ def _worth_a_look(models: Models) -> list[Fit]:
 def _fit_singles(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -> None:
     """A fit of each cause by itself, begun where first looks promise most."""
     problem = models.problem
-    every = _first_looks(models, ends, causes)
-    looks = in_step(problem, [_looked(problem, *look) for look in every[:1]])
-    near = (end for end, _ in looks if _is_near_data(problem, end.residual))
+    every = first_looks(problem, models.null, ends, causes)
+    looks = in_step(problem, [looked(problem, *look) for look in every[:1]])
+    near = (end for end, _ in looks if is_near_data(problem, end.residual))
     rival = next(near, None)
-    looks += in_step(problem, [_looked(problem, *look, rival) for look in every[1:]])
+    looks += in_step(problem, [looked(problem, *look, rival) for look in every[1:]])
     looks.sort(key=lambda look: look[0].cost)
     first = {cause.name: (end, cause) for end, cause in reversed(looks)}
-    hopeful = [look for look in looks if look[0].cost < looks[0][0].cost + _HOPELESS]
+    hopeful = [look for look in looks if look[0].cost < looks[0][0].cost + SEARCH.margin]
     hopeful += [look for look in first.values() if look not in hopeful]
     fits = [Start("exact", (cause,), end.x, end.slopes) for end, cause in hopeful]
     models.add_fits(fits[:1])
     models.add_fits(fits[1:])
     # The recalibrated model gets as many searches as its rivals, from where they are.
-    singles = [fit for fit in models.leaders(form="exact") if len(fit.causes) == 1][:_RIVALS]
+    singles = [fit for fit in models.leaders(form="exact") if len(fit.causes) == 1][: SEARCH.rivals]
     constants = len(problem.constants)
-    rivals = separated(singles, lambda fit: fit.x[:constants], APART)
+    rivals = separated(singles, lambda fit: fit.x[:constants], SEARCH.apart)
     models.add_fits([Start("exact", (), fit.x) for fit in rivals])
     _nest_singles(models, causes)
 
@@ -453,144 +314,25 @@ def _nest_singles(models: Models, causes: Sequence[Cause]) -> None:
     problem, null, exact = models.problem, models.null, models.forms["exact"]
 
     def behind(cause: Cause) -> bool:
-        fit = models.get([cause.name])
-        return fit is None or (fit.cost > null.cost + SETTLED and null.cost < models.hopeless)
+        fit, reaches = models.get([cause.name]), null.cost < models.hopeless
+        return fit is None or (reaches and fit.cost > null.cost + DESCENT.settled)
 
     best: dict[str, Response] = {}
     worse = [cause for cause in causes if behind(cause)]
     if not worse:
         return
-    for response in responses(problem, null.end, (), worse, exact, null.h, _SMALL, draft=True):
+    sizes = (*SEARCH.small, USUAL)
+    for response in responses(problem, null.end, (), worse, exact, null.h, sizes, draft=True):
         best.setdefault(response.cause.name, response)
     models.add_fits([
         Start("exact", (response.cause,), response.x, response.slopes)
-        for response in best.values() if response.gain > _BETTER
+        for response in best.values() if response.gain > SEARCH.better
     ])  # fmt: skip
     for response in best.values():
         if behind(response.cause):
             end = End(null.x, null.residual, response.slopes, math.nan)
             for fit in _linear(problem, exact, (response.cause,), end):
                 models.add(fit)
-
-
-_Look = tuple[Cause, Array, Array | None, Sequence[Softened], int]
-"""A cause, where a look at it begins, slopes there, and the stages of so many steps each."""
-
-
-def _first_looks(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -> list[_Look]:
-    """Where responses about several ends promise most, the best first, and where a freed constant
-    is near the data.
-
-    The stated constants are one of these: a fit without the cause may have bent them to what it
-    does. A cause with a fine shape has many minima: it is followed from each, and farther.
-    """
-    problem, null = models.problem, models.null
-    soft, robust = _softened(problem, null), Softened(problem, *STAGES[-1])
-    # A view has to show where it is with the stated model, not with a draft.
-    apart = itertools.islice(separated(ends, lambda end: end.x, APART), _VIEWS - 1)
-    places = [end.x for end in apart]
-    if np.linalg.norm(null.x) > APART:
-        places.append(np.zeros(problem.size))
-    views = [null.end, *in_step(problem, [end_at(problem, (), x) for x in places])]
-    fine = [cause for cause in causes if np.any(problem.fineness[problem.columns([cause])] <= FINE)]
-    # Of each view, as gains about one end do not compare with those about another.
-    bundles = [(cause, [list[Response]() for _ in views]) for cause in causes if cause not in fine]
-    together = {cause.name: groups for cause, groups in bundles}
-    for number, view in enumerate(views):
-        of_fine: dict[str, list[Response]] = {cause.name: [] for cause in fine}
-        for response in responses(problem, view, (), causes, soft, np.zeros(0), draft=True):
-            name = response.cause.name
-            (of_fine[name] if name in of_fine else together[name][number]).append(response)
-        bundles += [(cause, [of_fine[cause.name]]) for cause in fine]
-    hopes: list[tuple[float, _Look]] = []
-    for promising in in_step(problem, [_promising(problem, soft, *each) for each in bundles]):
-        for cost, response in promising:
-            steps = _LONGER_LOOK if response.cause in fine else _LOOK
-            look = response.cause, response.x, response.slopes, (soft, robust), steps
-            hopes.append((cost, look))
-    looks = [look for _, look in sorted(hopes, key=lambda hope: hope[0])]
-    freed = [cause for cause in causes if cause.is_constant]
-    stages = (*(Softened(problem, *stage) for stage in STAGES[:2]), robust)
-    for cause, starts in zip(
-        freed, in_step(problem, [_along(problem, cause, null) for cause in freed]), strict=True
-    ):
-        looks += [(cause, x, None, stages, 2 * _LOOK) for x in starts]
-    return looks
-
-
-def _promising(
-    problem: Problem, soft: Softened, cause: Cause, views: Sequence[Sequence[Response]]
-) -> Asking[list[tuple[float, Response]]]:
-    """The best start of a cause and the best one about another view, with their costs.
-
-    Responses are right to first order. A start that is better now may be where no descent leads
-    back: constants have been bent to what the cause does.
-    """
-    in_turn = [
-        (number, each)
-        for row in itertools.zip_longest(*views)
-        for number, each in enumerate(row)
-        if each is not None
-    ]
-    # Where the cause does nothing is nothing to begin with.
-    columns = problem.columns([cause])
-    acts = [one for one in in_turn if np.any(np.abs(one[1].x[columns]) > _SAME)]
-    in_turn = acts or in_turn
-    # Places of a scan are close together.
-    far = np.maximum(FINE / problem.fineness, 1.0)
-    near = list(separated(in_turn, lambda one: one[1].x * far, APART))[:_LOOKED_AT]
-    x = np.array([response.x for _, response in near])
-    residual = yield x, True
-    free, precision = problem.free([cause]), precision_of(problem, [cause])
-    cost = costs_of(soft, np.zeros(0), x[:, free], precision, residual)
-    first, *others = np.argsort(cost).tolist()
-    elsewhere = [k for k in others if near[k][0] != near[first][0]] or others
-    return [(float(cost[k]), near[k][1]) for k in (first, *elsewhere[:1])]
-
-
-def _along(problem: Problem, cause: Cause, null: Fit) -> Asking[list[Array]]:
-    """Points along a freed constant over its widened prior where the data are nearest.
-
-    Predictions may jump, so that no descent leads to a constant that is far off. One about the
-    recalibrated constants and two about the stated ones: a fit without the cause may have bent the
-    others to where no descent leads back. For the same reason their priors do not rank.
-    """
-    k = [constant.name for constant in problem.constants].index(str(cause.frees))
-    low, high = problem.limits[:, k]
-    values = np.linspace(-_WIDENED, _WIDENED, _PLACES)
-    values = values[(values >= low) & (values <= high)]
-    soft, starts = Softened(problem, *STAGES[0]), list[Array]()
-    for base, count in ((null.x, 1), (np.zeros(problem.size), 2)):
-        x = np.tile(base, (len(values), 1))
-        x[:, k] = values
-        residual = yield x, True
-        order = np.argsort(soft.cost(residual, np.zeros(0)), kind="stable")
-        starts += [x[j] for j in order[:count]]
-    return list(separated(starts, lambda x: x, APART))
-
-
-def _looked(
-    problem: Problem, cause: Cause, x: Array, slopes: Array | None, stages: Sequence[Softened],
-    steps: int, rival: End | None = None,
-) -> Asking[tuple[End, Cause]]:  # fmt: skip
-    """A first look at a cause by itself, which ends early where it is far behind a rival."""
-    for form in stages:
-        hopeless = math.inf
-        if rival is not None:
-            left = rival.residual[None, :]
-            hopeless = float(form.cost(left, np.zeros(0))[0]) + _HOPELESS / form.factor**2
-        end = yield from walk(
-            problem, form, np.zeros(0), (cause,), x, steps=steps, slopes=slopes,
-            hopeless=hopeless, draft=True,
-        )  # fmt: skip
-        x, slopes = end.x, end.slopes
-    return end, cause
-
-
-def _softened(problem: Problem, base: Fit) -> Softened:
-    """Errors as large as a fit misses the data."""
-    inflation = math.sqrt(max(base.chi2 / len(problem.y), 1.0))
-    return Softened(problem, min(inflation, STAGES[0][0]))
 
 
 def _least_fall(models: Models, leader: Fit) -> float:
@@ -609,24 +351,23 @@ def _leaves_too_little(models: Models, leader: Fit) -> bool:
     if plain is None:
         return False
     p_value = lack_of_fit(problem, plain.chi2, len(problem.y) - len(plain.free))
-    explains = len(leader.causes) > 1 and p_value >= _EXPLAINS
+    explains = len(leader.causes) > 1 and p_value >= SEARCH.explains
     return explains or plain.cost + 2.0 * math.log(2.0) < _least_fall(models, leader)
 
 
 def _look_beside(models: Models, leader: Fit) -> None:
     """Fit the models with one cause more, less or exchanged, from where a leader is."""
     problem, metric, h = models.problem, models.forms[leader.form], leader.h
-    hopeless, (first,) = leader.cost + _HOPELESS, models.leaders(1)
+    hopeless, (first,) = leader.cost + SEARCH.margin, models.leaders(1)
     if leader.form == "exact":
-        metric, h = _softened(problem, leader), np.zeros(0)
+        metric, h = softened(problem, leader), np.zeros(0)
     bases = []
     # Where laws are tried, they come before a third cause, which would imitate one.
-    most = MOST_CAUSES - (problem.laws is not None)
+    most = SEARCH.most_causes - (problem.laws is not None)
     if len(leader.causes) < most and not _leaves_too_little(models, leader):
         bases = [(leader.causes, leader.end)]
-    smaller = [
-        tuple(other for other in leader.causes if other is not cause) for cause in leader.causes
-    ]
+    causes = leader.causes
+    smaller = [tuple(other for other in causes if other is not cause) for cause in causes]
     points = np.tile(leader.x, (len(smaller), 1))
     for x, cause in zip(points, leader.causes, strict=True):
         x[problem.columns([cause])] = 0.0
@@ -639,12 +380,12 @@ def _look_beside(models: Models, leader: Fit) -> None:
         if third and not more:
             continue  # looks beside each pair exchange the third
         offered = [cause for cause in models.offered if cause not in (*rest, *leader.causes)]
-        least = (_least_fall(models, leader) if third else _WORTH) if more else -math.inf
+        least = (_least_fall(models, leader) if third else SEARCH.worth) if more else -math.inf
         tried: dict[str, int] = {}
-        sizes = _SMALLER if more and leader.names == first.names else (USUAL,)
+        sizes = (*SEARCH.smaller, USUAL) if more and leader.names == first.names else (USUAL,)
         for response in responses(problem, end, rest, offered, metric, h, sizes, draft=True):
             name = response.cause.name
-            if response.gain < least or (name not in tried and len(tried) == _MORE):
+            if response.gain < least or (name not in tried and len(tried) == SEARCH.more):
                 continue
             tried[name] = tried.get(name, 0) + 1
             if tried[name] > 2 or not _may_improve(models, leader, rest, end, response):
@@ -669,7 +410,7 @@ def _may_improve(
     left = end.residual - response.slopes @ (response.x - end.x)[free]
     x = np.stack([response.x, known.x])[:, free]
     promised, reached = costs_of(form, leader.h, x, precision, np.stack([left, known.residual]))
-    return bool(promised < reached - _BETTER)
+    return bool(promised < reached - SEARCH.better)
 
 
 def _fit_other_forms(models: Models) -> None:
@@ -681,18 +422,19 @@ def _fit_other_forms(models: Models) -> None:
         for rank, old in enumerate(models.leaders(form="exact")):
             known = hope = models.get(old.names, name)
             # A fit beside a large discrepancy may have stayed where the cause does nothing.
-            stuck = known is not None and known.chi2 > old.chi2 + _HOPELESS and rank < _OTHER_FORMS
+            far = known is not None and known.chi2 > old.chi2 + SEARCH.margin
+            stuck = far and rank < SEARCH.other_forms
             if known is None or stuck:
                 hope = models.linear(old, name)
             if hope is None:
                 continue
-            better = known is None or hope.log_evidence > known.log_evidence + _BETTER
+            better = known is None or hope.log_evidence > known.log_evidence + SEARCH.better
             hopes.append((models.log_posterior(hope), old, hope, better))
         hopes.sort(key=lambda hope: -hope[0])
         starts = []
         for rank, (promised, old, hope, better) in enumerate(hopes):
-            near = len(old.causes) < 2 and promised > hopes[0][0] - _BEHIND
-            if better and (rank < _OTHER_FORMS or near or not old.causes):
+            near = len(old.causes) < 2 and promised > hopes[0][0] - SEARCH.behind
+            if better and (rank < SEARCH.other_forms or near or not old.causes):
                 starts.append(Start(name, old.causes, old.x, old.slopes, hope.h))
             elif better and len(old.causes) < 2:
                 models.add(hope)  # far behind: the linear model will do
@@ -717,7 +459,7 @@ def _fit_exact_again(models: Models) -> None:
                 continue
             cost = exact.cost(other.residual[None, :], np.zeros(0))[0]
             free = other.x[old.free]
-            if float(cost + free @ old.precision @ free) < old.cost - _BETTER:
+            if float(cost + free @ old.precision @ free) < old.cost - SEARCH.better:
                 slopes = other.slopes if alike else None
                 starts.append(Start("exact", old.causes, other.x, slopes))
     models.add_fits(starts)

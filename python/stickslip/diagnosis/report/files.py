@@ -51,29 +51,19 @@ def save(facts: Facts, out: str | PathLike[str], title: str | None) -> None:
 
 
 def figures_of(facts: Facts) -> dict[str, Any]:
-    """What a page shows beside its numbers: `change`, a `fit` of each channel, and a `law`."""
-    plots, problem = Plots(facts), facts.problem
-    drawable = facts.fitted and any(table.drawable for table in problem.tables)
-    return {
-        "change": _svg(plots.residuals() if drawable else None),
-        "fit": {name: _svg(plots.fit(k)) for k, name in enumerate(problem.table_names)},
-        "law": _svg(plots.law()),
-    }
+    """What a page shows beside its numbers: see `Plots.of_page`."""
+    figures = Plots(facts).of_page()
+    fits = {name: list(map(_svg, each)) for name, each in figures.pop("fit").items()}
+    return {"fit": fits, **{name: list(map(_svg, each)) for name, each in figures.items()}}
 
 
 def page(numbers: Mapping[str, Any], figures: Mapping[str, Any], vocabulary: Vocabulary) -> str:
     """The report of a `numbers_of` as one page that needs no other file."""
     text = page_text(
-        "diagnosis/report/report.html.j2",
-        report=numbers,
-        figures=figures,
-        a=amounts,
-        w=Words(vocabulary),
-        sure=SURE,
-        adequate=ADEQUATE,
-        dominant=DOMINANT,
+        "diagnosis/report/report.html.j2", r=numbers, figures=figures, folds=[], a=amounts,
+        w=Words(vocabulary), sure=SURE, adequate=ADEQUATE, dominant=DOMINANT,
         drawing=lambda name, way: Markup(vocabulary.drawing(name, way)),
-    )
+    )  # fmt: skip
     # No line ends between a number and its sign or unit.
     units = r"(?<=\d) (?=(?:Hz|mT|mm/s|V|ms|s|N)\b)"
     inside = rf"{units}| (?=[%±])|(?<=\bp) (?=[=&])|(?<=\bp =) |(?<=\bp &lt;) "

@@ -24,11 +24,12 @@ from stickslip._util.units import handy, in_handy_units
 from stickslip.diagnosis.data.settings import ROW
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.facts import Facts
-from stickslip.diagnosis.report.numbers import law_of, predictions
+from stickslip.diagnosis.report.sections.size import law_of
 from stickslip.errors import ScenarioError
 
 _COLOURS = {"stated": GREY, "recalibrated": BLUE, "extended": VERMILION, "nearest": DARK_GREY}
 _MARKERS, _MOST_PANELS = "osD^v<>Ph*", 8
+_WIDTH = 4.9  # of a panel, inches: its letters can be read on a telephone
 _FEW = 3  # places of a setting below which nothing is seen over it
 _SAMPLES = 200  # points of a group from which on there are no signs and bars
 # Places between readings at which models are computed, and how far a model may be from what it is
@@ -51,12 +52,7 @@ class Panel:
 
 
 class Plots:
-    """Pictures of a diagnosis, each a matplotlib figure.
-
-    Parameters
-    ----------
-    facts : Facts
-    """
+    """Pictures of a diagnosis, each a matplotlib figure."""
 
     def __init__(self, facts: Facts) -> None:
         self._facts = facts
@@ -69,12 +65,10 @@ class Plots:
         """
         shown = self._table(table)
         if not shown.drawable:
-            looks = {
-                self._label(name): (_COLOURS[name], candidate.values()[0])
-                for name, candidate in self._facts.candidates.items()
-            }
+            looks = {self._label(name): (_COLOURS[name], candidate.values()[0])
+                     for name, candidate in self._facts.candidates.items()}  # fmt: skip
             return shown.figure(self._facts.problem.names, looks) if looks else None
-        return _figure(self.panels(table, shown.named_settings.most_varied), self._draw)
+        return self._drawn(self._panels(table), False)
 
     @matplotlib.rc_context(PLAIN)
     def residuals(self, table: int | None = None) -> Figure:
@@ -84,8 +78,7 @@ class Plots:
         """
         k = self.main_table() if table is None else table
         self._table(k)
-        draw = partial(self._draw, base=self._predicted.get("recalibrated"))
-        return _figure(self.panels(k, self._best_setting(k)), draw)
+        return self._drawn(self._panels(k, True), True)
 
     @matplotlib.rc_context(PLAIN)
     def law(self) -> Figure | None:
@@ -93,7 +86,7 @@ class Plots:
         law = law_of(self._facts.best) if self._facts.fitted else None
         if law is None:
             return None
-        figure = Picture(figsize=(7.2, 3.2), layout="constrained")
+        figure = Picture(figsize=(_WIDTH, 3.2), layout="constrained")
         axes = figure.subplots()
         axes.spines[["top", "right"]].set_visible(False)
         axes.fill_between(law["at"], law["low"], law["high"], color=LIGHT_GREY, label="95 %")
@@ -114,7 +107,32 @@ class Plots:
                 figures[f"residuals-{name}"] = self.residuals(k)
         return figures | {"law": self.law()}
 
+    @matplotlib.rc_context(PLAIN)
+    def of_page(self) -> dict[str, Any]:
+        """Figures as narrow as a telephone: `change`, a `fit` of each table by name, and `law`.
+
+        Each panel of `residuals` and of `fit` is one by itself.
+        """
+
+        def each(k: int, change: bool) -> list[Figure | None]:
+            if not self._tables[k].drawable:
+                return [] if change else [self.fit(k)]
+            return [self._drawn([panel], change) for panel in self._panels(k, change)]
+
+        fits = {name: each(k, False) for k, name in enumerate(self._facts.problem.table_names)}
+        change = each(self.main_table(), True) if self._facts.fitted else []
+        return {"change": change, "fit": fits, "law": [self.law()]}
+
     # ---------------------------------------------------------------- panels of a table
+    def _panels(self, k: int, change: bool = False) -> list[Panel]:
+        """Those over the setting that varies most, or that shows a change by the cause best."""
+        settings = self._tables[k].named_settings
+        return self.panels(k, self._best_setting(k) if change else settings.most_varied)
+
+    def _drawn(self, panels: Sequence[Panel], change: bool) -> Figure:
+        base = self._predicted.get("recalibrated") if change else None
+        return _figure(panels, partial(self._draw, base=base))
+
     def panels(self, k: int, over: str) -> list[Panel]:
         """Rows of a table by words in panels, and by other settings in groups.
 
@@ -137,10 +155,8 @@ class Plots:
         names = sorted({group for groups in by_panel.values() for group in groups})
         if len(names) > len(_MARKERS):
             # Too many to tell apart: all rows alike.
-            by_panel = {
-                panel: {"": sorted(row for rows in groups.values() for row in rows)}
-                for panel, groups in by_panel.items()
-            }
+            by_panel = {panel: {"": sorted(row for rows in groups.values() for row in rows)}
+                        for panel, groups in by_panel.items()}  # fmt: skip
             names = [""]
         markers = dict(zip(names, _MARKERS, strict=False))
         panels = []
@@ -161,7 +177,7 @@ class Plots:
 
     @cached_property
     def _predicted(self) -> dict[str, Array]:
-        curves, subject = predictions(self._facts), self._facts.verdict.subject
+        curves, subject = dict(self._facts.at_readings), self._facts.verdict.subject
         if subject is not None and "extended" not in curves:
             curves["nearest"] = self._facts.problem.y - subject.residual
         return curves
@@ -303,7 +319,7 @@ def _figure(panels: Sequence[Panel], draw: Any) -> Figure:
     """A figure with all panels, two in a row, and one legend."""
     columns = min(len(panels), 2)
     rows = math.ceil(len(panels) / columns)
-    size = max(7.2, 4.9 * columns), 0.8 + 3.0 * rows
+    size = _WIDTH * columns, 0.8 + 3.0 * rows
     figure = Picture(figsize=size, layout="constrained")
     frames = figure.subplots(rows, columns, squeeze=False).ravel()
     for axes, panel in zip(frames, panels, strict=False):

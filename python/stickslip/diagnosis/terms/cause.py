@@ -95,6 +95,11 @@ class Cause(OneLine):
         return not self.parameters
 
     @property
+    def names(self) -> list[str]:
+        """Full names of its parameters, or of the constant that it frees."""
+        return [parameter.name for parameter in self.parameters] or [str(self.frees)]
+
+    @property
     def is_instrument(self) -> bool:
         """Whether it changes readings or inputs in place of the physics."""
         return self.read is not None or self.acts is not None

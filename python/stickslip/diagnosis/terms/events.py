@@ -44,31 +44,18 @@ _WIDTH = 0.4
 
 
 def step(
-    size: float,
-    begin: float,
-    end: float,
-    *,
-    unit: str = "-",
-    input: str | None = None,
-    table: str | None = None,
-    name: str = "step",
-) -> Cause:
+    size: float, begin: float, end: float, *, unit: str = "-", input: str | None = None,
+    table: str | None = None, name: str = "step",
+) -> Cause:  # fmt: skip
     """A change that stays: ``height`` is added from ``time``, s, on."""
     height, time = either_way(f"{name}.height", unit, size), _time(name, begin, end)
     return _event((height, time), "a step", table, input, (begin, end))
 
 
 def pulse(
-    size: float,
-    begin: float,
-    end: float,
-    longest: float,
-    *,
-    unit: str = "-",
-    input: str | None = None,
-    table: str | None = None,
-    name: str = "pulse",
-) -> Cause:
+    size: float, begin: float, end: float, longest: float, *, unit: str = "-",
+    input: str | None = None, table: str | None = None, name: str = "pulse",
+) -> Cause:  # fmt: skip
     """A change that passes: ``height`` is added from ``time``, s, for a ``length``, s.
 
     Parameters
@@ -80,10 +67,8 @@ def pulse(
     if not is_number(longest) or not 0.0 < longest < math.inf:
         refuse("longest", longest, "a time above 0, s")
     height, time = either_way(f"{name}.height", unit, size), _time(name, begin, end)
-    length = Parameter(
-        f"{name}.length", Prior("log-uniform", longest / 100.0, longest), unit="s", cause=False
-    )
-
+    prior = Prior("log-uniform", longest / 100.0, longest)
+    length = Parameter(f"{name}.length", prior, unit="s", cause=False)
     return _event((height, time, length), "a pulse", table, input, (begin, end + longest))
 
 

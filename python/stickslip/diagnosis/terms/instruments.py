@@ -81,15 +81,9 @@ def offset(
 
 
 def clipping(
-    unit: str,
-    highest: float,
-    size: float,
-    *,
-    lowest: float | None = None,
-    rows: Rows = _EVERY,
-    table: str | None = None,
-    name: str = "clipping",
-) -> Cause:
+    unit: str, highest: float, size: float, *, lowest: float | None = None, rows: Rows = _EVERY,
+    table: str | None = None, name: str = "clipping",
+) -> Cause:  # fmt: skip
     """A reading that saturates: beyond a ``limit``, on either side of zero, the limit is read.
 
     The limit is in `unit`, that of the readings; 0 is no limit.
@@ -152,15 +146,9 @@ def _before(name: str) -> Parameter:
 
 
 def delay(
-    times: ArrayLike | None = None,
-    size: float | None = None,
-    *,
-    curve: ArrayLike | None = None,
-    input: str | None = None,
-    rows: Rows = _EVERY,
-    table: str | None = None,
-    name: str = "delay",
-) -> Cause:
+    times: ArrayLike | None = None, size: float | None = None, *, curve: ArrayLike | None = None,
+    input: str | None = None, rows: Rows = _EVERY, table: str | None = None, name: str = "delay",
+) -> Cause:  # fmt: skip
     """A clock that is late or early: at time t the value of t - ``time``, s, is read.
 
     Between the given times the value is a cubic spline of the prediction, so the times have to be
@@ -244,16 +232,10 @@ def _in_time(table: Table, name: str) -> Series:
 
 
 def marker_place(
-    x: Rows | None,
-    z: Rows | None,
-    size: float,
-    *,
-    theta: Rows | None = None,
-    angle: ArrayLike | None = None,
-    largest: float | None = None,
-    table: str | None = None,
+    x: Rows | None, z: Rows | None, size: float, *, theta: Rows | None = None,
+    angle: ArrayLike | None = None, largest: float | None = None, table: str | None = None,
     name: str = "marker_place",
-) -> Cause:
+) -> Cause:  # fmt: skip
     """The tracked point lies off the point that the model moves, fixed in the body.
 
     It is where `marker` says, ``along`` and ``across`` the body, m.
@@ -273,10 +255,8 @@ def marker_place(
     if (theta is None) == (angle is None):
         raise ScenarioError("theta, angle: allowed is one of them")
     known = np.empty(0) if angle is None else row("angle", angle, unit="rad")
-    parameters = tuple(
-        either_way(f"{name}.{word}", "m", size, largest) for word in ("along", "across")
-    )
-
+    words = "along", "across"
+    parameters = tuple(either_way(f"{name}.{word}", "m", size, largest) for word in words)
     read = partial(_marked, name, (x, z), theta, known)
     meaning = "another place of the tracked point on the body"
     return Cause(name, parameters, meaning, read=read, table=table)
@@ -329,26 +309,14 @@ def _fitting(given: Array, some: Array) -> Array:
 
 
 def read_by(
-    causes: Sequence[Cause],
-    names: Sequence[str],
-    values: Array,
-    physics: Callable[[Sequence[str], Array], Array],
-    table: Table,
-) -> Array:
+    causes: Sequence[Cause], names: Sequence[str], values: Array,
+    physics: Callable[[Sequence[str], Array], Array], table: Table,
+) -> Array:  # fmt: skip
     """What instruments read, shape (vectors, k).
 
-    Vectors that differ in the instruments alone share a prediction.
-
-    Parameters
-    ----------
-    causes : sequence of Cause
-        Those with a `read` act one after another, if `names` has their parameters.
-    names : sequence of str
-    values : ndarray, shape (vectors, names)
-    physics : callable
-        ``physics(names, values)`` predicts what a perfect instrument reads.
-    table : Table
-        What is read.
+    Vectors that differ in the instruments alone share a prediction. Of the `causes` those with a
+    `read` act one after another, if `names`, those of the columns of `values`, shape (vectors,
+    names), have their parameters. ``physics(names, values)`` is what a perfect instrument reads.
     """
     acting = [cause for cause in causes if cause.read and cause.parameters[0].name in names]
     if not acting:

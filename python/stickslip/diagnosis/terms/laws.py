@@ -28,17 +28,9 @@ _FEWEST = 3
 
 
 def free_law(
-    law: str,
-    argument: str,
-    unit: str,
-    low: float,
-    high: float,
-    size: float = 0.3,
-    law_unit: str = "-",
-    largest: float | None = None,
-    factor_of: str | None = None,
-    knots: int = 5,
-) -> Cause:
+    law: str, argument: str, unit: str, low: float, high: float, size: float = 0.3,
+    law_unit: str = "-", largest: float | None = None, factor_of: str | None = None, knots: int = 5,
+) -> Cause:  # fmt: skip
     """A place in a model of one's own where a law may have another shape.
 
     A curve f of one argument acts there, by its values at knots that lie evenly between two ends.

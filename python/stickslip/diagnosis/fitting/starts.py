@@ -1,0 +1,220 @@
+"""Where fits begin: scans of the constants, and first looks at single causes."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import TypeVar
+
+import numpy as np
+from scipy.special import ndtri
+from scipy.stats import qmc
+
+from stickslip._util.arrays import Array
+from stickslip.diagnosis.fitting.descent import (
+    Asking,
+    End,
+    costs_of,
+    descend,
+    end_at,
+    in_step,
+    precision_of,
+    walk,
+)
+from stickslip.diagnosis.fitting.forms import Form, Softened, forms
+from stickslip.diagnosis.fitting.models import Fit, minimise
+from stickslip.diagnosis.fitting.options import DESCENT, SEARCH
+from stickslip.diagnosis.fitting.problem import FINE, Problem, lack_of_fit
+from stickslip.diagnosis.fitting.responses import Response, responses
+from stickslip.diagnosis.terms.cause import Cause
+
+_Item = TypeVar("_Item")
+
+
+def recalibrated(problem: Problem, seed: int) -> tuple[Fit, list[End]]:
+    """The model without a cause from starts all over the priors, and the ends at larger errors.
+
+    Where the first starts end with a misfit, others from a second scan follow, of all strata of the
+    constants that are known in range only: a wrong minimum would be taken for a hidden cause.
+    """
+    exact = forms(problem, ["exact"])["exact"]
+    count = SEARCH.scan if len(problem.constants) > 1 else SEARCH.scan // 4
+    starts = list(separated(_scan(problem, count, seed), lambda x: x, SEARCH.apart))
+    best, ends = _descended(problem, exact, starts)
+    if problem.constants and lack_of_fit(problem, best.chi2, len(problem.y)) < SEARCH.doubtful:
+        points = _scan(problem, SEARCH.scan, seed + 1)
+        again, more = _descended(problem, exact, _strata(problem, points))
+        best = min((best, again), key=lambda fit: fit.cost)
+        ends = sorted([*ends, *more], key=lambda end: end.cost)
+    return best, ends
+
+
+def _descended(problem: Problem, exact: Form, starts: Sequence[Array]) -> tuple[Fit, list[End]]:
+    """The best fit from some starts by all stages, and the ends of the softest."""
+    softest: list[End] = []
+    for stage, most in zip(DESCENT.stages, SEARCH.descents, strict=False):
+        soft = Softened(problem, *stage)
+        every = [descend(problem, soft, np.zeros(0), (), x) for x in starts[:most]]
+        ends = sorted(in_step(problem, every), key=lambda end: end.cost)
+        distinct = list(separated(ends, lambda end: end.x, SEARCH.same))
+        softest = softest or distinct
+        starts = [end.x for end in distinct]
+    fits = [minimise(problem, exact, (), x) for x in starts[: SEARCH.descents[-1]]]
+    return min(in_step(problem, fits), key=lambda fit: fit.cost), softest
+
+
+def _scan(problem: Problem, count: int, seed: int) -> Array:
+    """Points drawn from the priors of the constants, shape (count, size), the best first."""
+    p, x = len(problem.constants), np.zeros((count, problem.size))
+    if p:
+        sobol = qmc.Sobol(p, scramble=True, seed=seed).random(count)
+        x[1:, :p] = ndtri(np.clip(sobol, 1e-3, 1.0 - 1e-3))[1:]
+    soft = Softened(problem, *DESCENT.stages[0])
+    cost = soft.cost(problem.residuals(x, True), np.zeros(0)) + np.sum(x[:, :p] ** 2, axis=1)
+    return np.asarray(x[np.argsort(cost, kind="stable")])
+
+
+def _strata(problem: Problem, points: Array) -> list[Array]:
+    """The best point of each stratum of the constants that are known in range only."""
+    wide = [k for k, constant in enumerate(problem.constants) if not constant.is_stated]
+    chosen = list(separated(points, lambda point: point, SEARCH.apart))[: SEARCH.strata // 2]
+    for k in wide:
+        count = max(SEARCH.strata // len(wide), 3)
+        edges = np.quantile(points[:, k], np.linspace(0.0, 1.0, count + 1))
+        place = np.searchsorted(edges[1:-1], points[:, k])
+        chosen += [points[np.flatnonzero(place == stratum)[0]] for stratum in np.unique(place)]
+    return chosen
+
+
+def separated(
+    items: Iterable[_Item], place: Callable[[_Item], Array], distance: float
+) -> Iterator[_Item]:
+    """Those that are not closer than a distance to an earlier one."""
+    kept: list[Array] = []
+    for item in items:
+        at = place(item)
+        if not kept or np.all(np.linalg.norm(np.array(kept) - at, axis=1) > distance):
+            kept.append(at)
+            yield item
+
+
+Look = tuple[Cause, Array, Array | None, Sequence[Softened], int]
+"""A cause, where a look at it begins, slopes there, and the stages of so many steps each."""
+
+
+def first_looks(
+    problem: Problem, null: Fit, ends: Sequence[End], causes: Sequence[Cause]
+) -> list[Look]:
+    """Where responses about several ends promise most, the best first, and where a freed constant
+    is near the data.
+
+    The stated constants are one of these: a fit without the cause may have bent them to what it
+    does. A cause with a fine shape has many minima: it is followed from each, and farther.
+    """
+    soft, robust = softened(problem, null), Softened(problem, *DESCENT.stages[-1])
+    # A view has to show where it is with the stated model, not with a draft.
+    apart = itertools.islice(separated(ends, lambda end: end.x, SEARCH.apart), SEARCH.views - 1)
+    places = [end.x for end in apart]
+    if np.linalg.norm(null.x) > SEARCH.apart:
+        places.append(np.zeros(problem.size))
+    views = [null.end, *in_step(problem, [end_at(problem, (), x) for x in places])]
+    fine = [cause for cause in causes if np.any(problem.fineness[problem.columns([cause])] <= FINE)]
+    # Of each view, as gains about one end do not compare with those about another.
+    bundles = [(cause, [list[Response]() for _ in views]) for cause in causes if cause not in fine]
+    together = {cause.name: groups for cause, groups in bundles}
+    for number, view in enumerate(views):
+        of_fine: dict[str, list[Response]] = {cause.name: [] for cause in fine}
+        for response in responses(problem, view, (), causes, soft, np.zeros(0), draft=True):
+            name = response.cause.name
+            (of_fine[name] if name in of_fine else together[name][number]).append(response)
+        bundles += [(cause, [of_fine[cause.name]]) for cause in fine]
+    hopes: list[tuple[float, Look]] = []
+    for promising in in_step(problem, [_promising(problem, soft, *each) for each in bundles]):
+        for cost, response in promising:
+            steps = SEARCH.longer_look if response.cause in fine else SEARCH.look
+            look = response.cause, response.x, response.slopes, (soft, robust), steps
+            hopes.append((cost, look))
+    looks = [look for _, look in sorted(hopes, key=lambda hope: hope[0])]
+    freed = [cause for cause in causes if cause.is_constant]
+    stages = (*(Softened(problem, *stage) for stage in DESCENT.stages[:2]), robust)
+    for cause, starts in zip(
+        freed, in_step(problem, [_along(problem, cause, null) for cause in freed]), strict=True
+    ):
+        looks += [(cause, x, None, stages, 2 * SEARCH.look) for x in starts]
+    return looks
+
+
+def _promising(
+    problem: Problem, soft: Softened, cause: Cause, views: Sequence[Sequence[Response]]
+) -> Asking[list[tuple[float, Response]]]:
+    """The best start of a cause and the best one about another view, with their costs.
+
+    Responses are right to first order. A start that is better now may be where no descent leads
+    back: constants have been bent to what the cause does.
+    """
+    in_turn = [
+        (number, each)
+        for row in itertools.zip_longest(*views)
+        for number, each in enumerate(row)
+        if each is not None
+    ]
+    # Where the cause does nothing is nothing to begin with.
+    columns = problem.columns([cause])
+    acts = [one for one in in_turn if np.any(np.abs(one[1].x[columns]) > SEARCH.same)]
+    in_turn = acts or in_turn
+    # Places of a scan are close together.
+    far = np.maximum(FINE / problem.fineness, 1.0)
+    near = list(separated(in_turn, lambda one: one[1].x * far, SEARCH.apart))[: SEARCH.looked_at]
+    x = np.array([response.x for _, response in near])
+    residual = yield x, True
+    free, precision = problem.free([cause]), precision_of(problem, [cause])
+    cost = costs_of(soft, np.zeros(0), x[:, free], precision, residual)
+    first, *others = np.argsort(cost).tolist()
+    elsewhere = [k for k in others if near[k][0] != near[first][0]] or others
+    return [(float(cost[k]), near[k][1]) for k in (first, *elsewhere[:1])]
+
+
+def _along(problem: Problem, cause: Cause, null: Fit) -> Asking[list[Array]]:
+    """Points along a freed constant over its widened prior where the data are nearest.
+
+    Predictions may jump, so that no descent leads to a constant that is far off. One about the
+    recalibrated constants and two about the stated ones: a fit without the cause may have bent the
+    others to where no descent leads back. For the same reason their priors do not rank.
+    """
+    k = problem.at(cause)
+    low, high = problem.limits[:, k]
+    values = np.linspace(-SEARCH.widened, SEARCH.widened, SEARCH.places)
+    values = values[(values >= low) & (values <= high)]
+    soft, starts = Softened(problem, *DESCENT.stages[0]), list[Array]()
+    for base, count in ((null.x, 1), (np.zeros(problem.size), 2)):
+        x = np.tile(base, (len(values), 1))
+        x[:, k] = values
+        residual = yield x, True
+        order = np.argsort(soft.cost(residual, np.zeros(0)), kind="stable")
+        starts += [x[j] for j in order[:count]]
+    return list(separated(starts, lambda x: x, SEARCH.apart))
+
+
+def looked(
+    problem: Problem, cause: Cause, x: Array, slopes: Array | None, stages: Sequence[Softened],
+    steps: int, rival: End | None = None,
+) -> Asking[tuple[End, Cause]]:  # fmt: skip
+    """A first look at a cause by itself, which ends early where it is far behind a rival."""
+    for form in stages:
+        hopeless = math.inf
+        if rival is not None:
+            left = rival.residual[None, :]
+            hopeless = float(form.cost(left, np.zeros(0))[0]) + SEARCH.margin / form.factor**2
+        end = yield from walk(
+            problem, form, np.zeros(0), (cause,), x, steps=steps, slopes=slopes,
+            hopeless=hopeless, draft=True,
+        )  # fmt: skip
+        x, slopes = end.x, end.slopes
+    return end, cause
+
+
+def softened(problem: Problem, base: Fit) -> Softened:
+    """Errors as large as a fit misses the data."""
+    inflation = math.sqrt(max(base.chi2 / len(problem.y), 1.0))
+    return Softened(problem, min(inflation, DESCENT.stages[0][0]))

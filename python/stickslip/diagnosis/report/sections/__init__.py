@@ -1,0 +1,1 @@
+"""Sections of a report: each has its `Numbers`, which it asks of `Facts`, and its template."""
