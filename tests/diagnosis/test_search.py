@@ -178,7 +178,7 @@ def test_a_cause_is_looked_at_from_three_ends_and_the_stated_constants_at_most(m
         asked.append(given)
         return responses(*given, **options)
 
-    monkeypatch.setattr("stickslip.diagnosis.fitting.search.responses", counted)
+    monkeypatch.setattr("stickslip.diagnosis.fitting.starts.responses", counted)
     places = [np.array([k, 0.0, 0.0]) for k in (-2.0, -1.0, 0.0, 1.0, 2.0)]
     _fit_singles(models, [replace(models.null.end, x=each) for each in places], posed.causes)
     assert len(asked) == 4
