@@ -71,6 +71,10 @@ CASES = {
         log(1, coulomb=0.02), log(2, OTHER, coulomb=0.02), "named", ("coulomb",), 1),
     "nothing": (log(1), log(2), "none", (), 0),
     "nothing, beside an error of the model": (log(1, more=WAVE), log(2, more=WAVE), "none", (), 0),
+    "nothing, beside an error of the model at other inputs": (
+        log(1, more=WAVE), log(2, OTHER, more=WAVE), "none", (), 0),
+    "what nobody lists, at other inputs": (
+        log(1), log(2, OTHER, more=WAVE), "unexplained", (), 0),
     "one log twice": (log(1), log(1), "none", (), 0),
     "what nobody lists": (log(1), log(2, more=WAVE), "unexplained", (), 0),
 }  # fmt: skip
@@ -78,7 +82,8 @@ CASES = {
 
 NIGHTLY = ("a constant", "what nobody lists", "an effect that has gone", "an effect of both",
            "other inputs", "the other way, beside an error of the model",
-           "nothing, beside an error of the model")  # fmt: skip
+           "nothing, beside an error of the model", "what nobody lists, at other inputs",
+           "nothing, beside an error of the model at other inputs")  # fmt: skip
 
 
 @pytest.mark.parametrize(

@@ -33,8 +33,6 @@ class SimulatedTable(Table):
     """What its readings are called."""
     section = ""
     """Its section in a measurement file, as messages begin with it."""
-    side = ""
-    """Of which state of a walker it is, where two are compared."""
     number = 0
     """Its number among several of its kind; 0 for a single one."""
     instruments: tuple[Cause, ...]

@@ -128,6 +128,8 @@ class Table:
     kept: Indices
     own_notes: tuple[Note, ...] = ()
     """Notes that do not depend on the errors."""
+    side = ""
+    """Of which of two states it is, where they are compared."""
     left_out: Sequence[Note] = ()
     """What was read and is not used."""
     inputs: Mapping[str, Array] = {}

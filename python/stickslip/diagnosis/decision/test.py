@@ -8,16 +8,19 @@ same noise, so that twice the smaller p-value would be too cautious.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import rankdata
+from scipy.stats import chi2, rankdata
 
 from stickslip._util.arrays import Array, Mask
-from stickslip.diagnosis.fitting.models import Fit
+from stickslip.diagnosis.fitting.descent import in_step
+from stickslip.diagnosis.fitting.models import Fit, minimise
 from stickslip.diagnosis.fitting.problem import Problem, lack_of_fit
 from stickslip.diagnosis.fitting.responses import Response
+from stickslip.diagnosis.fitting.search import Models
 
 ALPHA = 0.05
 """Rate of false alarms: the usual choice."""
@@ -60,6 +63,31 @@ def adequacy(problem: Problem, fit: Fit) -> float:
     stated = float(np.sum(fit.x[:count][tight] ** 2))
     free = len(problem.y) - (len(fit.free) - int(tight.sum()))
     return lack_of_fit(problem, fit.chi2 + stated, free)
+
+
+def chance_of_other_constants(models: Models, null: Fit) -> float:
+    """p-value of what other constants afterwards explain, beside the discrepancy of a null model.
+
+    0 where nothing is compared, where errors of the model that both sides have cancel, or where one
+    side alone has a misfit: there whatever is left is a difference.
+    """
+    problem = models.problem
+    others = [
+        each for each in models.offered if each.name.partition("[")[0] in problem.rivals.shared
+    ]
+    if problem.rivals.cancels or not others:
+        return 0.0
+    misfit, count = Counter[str](), Counter[str]()
+    for table, square in zip(problem.tables, problem.chi2_of_tables(null.residual[None])[:, 0],
+                             strict=True):  # fmt: skip
+        misfit[table.side] += square
+        count[table.side] += len(table.mean)
+    if any(lack_of_fit(problem, misfit[side], count[side]) >= ALPHA for side in count):
+        return 0.0
+    form = models.forms[null.form]
+    start = minimise(problem, form, others, null.x, h=null.h)
+    costs = form.cost(np.stack([null.residual, in_step(problem, [start])[0].residual]), null.h)
+    return float(chi2.sf(costs[0] - costs[1], len(others)))
 
 
 def follows_settings(problem: Problem, fit: Fit) -> bool:

@@ -21,7 +21,14 @@ from stickslip.diagnosis.decision.posterior import (
     posterior,
     share,
 )
-from stickslip.diagnosis.decision.test import ADEQUATE, Test, adequacy, follows_settings
+from stickslip.diagnosis.decision.test import (
+    ADEQUATE,
+    ALPHA,
+    Test,
+    adequacy,
+    chance_of_other_constants,
+    follows_settings,
+)  # fmt: skip
 from stickslip.diagnosis.fitting.forms import HYPER
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.search import Models
@@ -142,6 +149,15 @@ def _without_cause(verdict: Verdict, models: Models, test: Test, leader: Fit | N
         rival = "an unknown model error"
         if likeliest.form == "ar1":
             rival = "correlated errors along a run, of the readings or of the model"
+        chance = chance_of_other_constants(models, likeliest)
+        if chance >= ALPHA:
+            reason = Note(
+                "misfit-of-both",
+                f"Both sides have a misfit that no listed cause explains ({p_text(test.p_value)}); "
+                f"other constants afterwards take no more of it than chance ({p_text(chance)}).",
+                chance,
+            )
+            return _with(verdict, "none", (), None, (reason,), models, None)
         text = f"A misfit is left ({p_text(test.p_value)}); no cause is more probable than {rival}."
         reason = Note("no-cause-leads", text, test.p_value)
         gain = gain_of(models, leader) if leader else None
