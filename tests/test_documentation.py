@@ -193,7 +193,8 @@ def measured_words():
         f" hidden it claims a cause in {sum(case.any_claim for case in sound) or 'none'}.",
     ]
     logs = {
-        name: list(lines(OWN.with_name(f"{name}.jsonl"))) for name in ("units", "twins", "late")
+        name: list(lines(OWN.with_name(f"{name}.jsonl")))
+        for name in ("units", "twins", "late", "clean")
     }
     wrong = [row for row in logs["units"] if row["wrong"]]
     bare = sum(row["verdict"] in CLAIMS and not row["told"] for row in wrong)
@@ -202,6 +203,8 @@ def measured_words():
            for line in ("held", "line")}  # fmt: skip
     rms = {line: np.sqrt(np.mean(np.square(each))) for line, each in off.items()}
     counts_of_logs = [
+        f"Of {len(logs['clean'])} more with nothing hidden it claims a cause in"
+        f" {claims_of(logs['clean'])} (commit `{logs['clean'][0]['state']['commit']}`)",
         f"Of {len(wrong)} logs in a unit that nobody stated,"
         f" {sum(row['right'] for row in wrong)} are told with the right factor and"
         f" {bare or 'none'} is named without it.",

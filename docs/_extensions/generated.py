@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import click
-from blind import own, scoring, study
+from blind import changes, intervals, own, scoring, study
 from docutils import nodes
 from report_keys import reference
 from scores import CLAIMS
@@ -22,7 +22,8 @@ from stickslip.scenario.keys import Key, known_keys
 from stickslip.simulation.note_table import TABLE
 
 MEASURED = Path(__file__).parents[1] / "measured"
-STUDIES = {"own": (study.HERE / "study" / "own.jsonl", own.tables),
+STUDIES = {**{name: (study.HERE / "study" / f"{name}.jsonl", tables) for name, tables in
+              {"own": own.tables, "changes": changes.table, "intervals": intervals.table}.items()},
            "walkers": (study.HERE / "study" / study.RECORD, scoring.table),
            "laws": (study.HERE / "laws" / study.RECORD, scoring.table)}  # fmt: skip
 OF_VERDICTS = {"real.json": "rows", "walkers.json": "rows", "planned.json": "rows",
@@ -193,7 +194,7 @@ class BenchResults(SphinxDirective):
 
 
 class Study(SphinxDirective):
-    """The counts of the blind study of models of one's own, of walkers, or of their laws."""
+    """The counts of a blind study, from its rows."""
 
     required_arguments = 1
 
