@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # Expected: `dask.array.percentile`, which is called approximate, is right to a few parts in a hundred for 100 000
 #   readings.
-# What happens: percentiles of the parts are merged as if none were near 0 or 100. Of an oscillation that grows to 1 the
-#   5 % point is -0.04 with parts of 1000 readings, -0.07 with parts of 10 000, -0.36 with two parts (right: -0.71), the
-#   median up to 0.16 (right: 0.001), the 95 % point 0.91 (0.71). The result depends on the parts; no warning.
+# What happens: the percentiles of parts are merged, which fails where the parts differ. Of an oscillation that grows to
+#   1 the 5 % point is -0.04 with parts of 1000 readings, -0.07 with parts of 10 000, -0.36 with two parts (right:
+#   -0.71), the median up to 0.16 (right: 0.001), the 95 % point 0.91 (0.71). The result depends on the parts; no
+#   warning.
 # Package: dask 2026.8.0, numpy 2.4.6. Source: the size found by trying; "approximate" is all that is documented.
-# Who is hurt: whoever takes a baseline or a threshold of a long record. Instead: da.quantile(x, q, axis=0) (tried,
-#   exact).
+# Who is hurt: whoever takes a baseline or a threshold of a long record. Instead: da.quantile(x, q, axis=0) (tried).
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

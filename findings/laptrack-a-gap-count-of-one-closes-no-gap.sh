@@ -1,6 +1,5 @@
 #!/usr/bin/env bash
-# Expected: `gap_closing_max_frame_count=1` ("the maximum frame gaps") joins a track over one lost frame, as `memory=1`
-#   of trackpy does.
+# Expected: `gap_closing_max_frame_count=1` joins a track over one lost frame, as `memory=1` of trackpy does.
 # What happens: it counts the steps over the gap: 1 closes nothing, as 0 does, and n lost frames need n + 1. Each robot
 #   becomes two tracks at every lost frame, with no word; the default of 2 closes a single one.
 # Packages: laptrack 0.17.1, trackpy 0.7, pandas 3.1.1. Source: found by trying.

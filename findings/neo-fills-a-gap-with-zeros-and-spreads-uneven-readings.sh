@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Expected: `before.concatenate(after)` of two pieces 300 ms apart is refused, as it pads nothing by default (the
-#   documentation: signals have to align or overlap), or holds NaN between them.
+# Expected: `before.concatenate(after)` of two pieces 300 ms apart is refused, as it pads nothing by default (so its
+#   documentation), or holds NaN between them.
 # What happens: the gap is filled with zeros: 700 readings become 1000, the mean of 5 mV becomes 3.5 mV. And `resample`
 #   of an IrregularlySampledSignal takes the readings as evenly spaced (Fourier): a ramp read at 0, 1, 2 and 10 s is
 #   0.48 at 2.5 s and 0.72 at 5 s. No warning of either.

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Expected: an XDF file stores the time of each reading; where a recorder lost 3 s of a stream of 100 readings a second,
-#   `load_xdf` shows a step of 3 s, since "an interruption of a second" starts a new piece.
+#   `load_xdf` shows a step of 3 s, as by default a break of one second starts a new piece.
 # What happens: it must last a second and 500 readings, here 5 s. Below that one straight line is laid through all
 #   times: the largest step is 0.011 s, times are off by up to 1.7 s, and a sine of 0.5 Hz has 0.455 Hz. No warning, as
 #   the rate is still within a tenth of the nominal one. Only streams that call themselves video are left as they are.

@@ -19,7 +19,7 @@ import warnings
 import numpy as np
 import skimage
 import tifffile
-from skimage.io import imread, imread_collection
+from skimage.io import imread
 
 warnings.simplefilter("error")
 print("scikit-image", skimage.__version__, "tifffile", tifffile.__version__, "numpy", np.__version__)
