@@ -217,7 +217,8 @@ def test_equal_errors_are_told_apart_as_seldom_as_stated_and_in_any_unit():
 @pytest.mark.parametrize(
     ("wild", "left_out"),
     [({7: 900.9}, True), ({7: -900.0, 20: -910.0, 31: -920.0}, True), ({7: 3.0}, False),
-     ({7: 90.0, 8: 90.0}, False), ({k: 900.0 + k for k in range(7, 17, 2)}, False)],
+     ({7: 90.0, 8: 90.0}, False), ({7: 1e10, 8: 1e10}, True),
+     ({k: 900.0 + k for k in range(7, 17, 2)}, False)],
 )  # fmt: skip
 def test_single_readings_beyond_what_all_others_span_are_left_out(wild, left_out):
     t = np.arange(60.0)
@@ -228,7 +229,7 @@ def test_single_readings_beyond_what_all_others_span_are_left_out(wild, left_out
     assert [note.code for note in record.own_notes] == left_out * len(wild) * ["wild-reading"]
 
 
-@pytest.mark.parametrize("mark", [-9999.0, 999.0, 99.9, 65535.0, -32768.0, 1e38])
+@pytest.mark.parametrize("mark", [-9999.0, 999.0, 99.9, 65535.0, -32768.0, 1e20, 1e38])
 def test_what_meters_write_for_no_value_is_a_gap_and_no_input(mark):
     t, rows = np.arange(60.0), [3, 4, 5, 30, 59]
     wave = np.sin(0.3 * t)

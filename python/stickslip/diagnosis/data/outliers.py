@@ -20,18 +20,19 @@ and one of Student's law with four degrees of freedom in 1000 is as far; a wrong
 ROBUST = 1.48
 """Standard deviation over the median of absolute deviations, of a normal law: 1 / 0.6745."""
 
-_RECORD, _SINGLE, _SPANS = 20, 3, 3.0
+_RECORD, _SINGLE, _SPANS, _WILD = 20, 3, 3.0, 1e6
 """Fewest readings of a record, most that are left out of it, and how many spans of all others they
-lie beyond these. Chosen: no motion does so for one reading; what meters write for none does."""
+lie beyond these, single ones or neighbours of one value. Chosen: no motion does so for one reading,
+or comes from and goes to a millionth; what meters write for none does."""
 _ENDS = {
     end
     for bits in (16, 32)
     for end in (-(2.0 ** (bits - 1)), 2.0 ** (bits - 1) - 1.0, 2.0**bits - 1.0)
 }
-_ENORMOUS, _MARK_SPANS = 1e30, 20.0
-"""What meters write for no value besides nines: ends of whole numbers, and larger than any size;
-and spans of all others beyond which they are no value. Chosen: settings that are decades apart have
-ten."""
+_ENORMOUS, _MARK_SPANS = 1e20, 20.0
+"""What meters write for no value besides nines: ends of whole numbers, and larger than any size, as
+NumPy's 1e20; and spans of all others beyond which they are no value. Chosen: settings that are
+decades apart have ten."""
 FEW = 0.05
 """Part of the rows that may be left out. Chosen: where more are far it is the fit that is wrong, or
 the sensor."""
@@ -62,7 +63,9 @@ def far_from_all_others(y: Array) -> Mask:
         top, others = np.sort(order[-count:]), y[order[:-count]]
         low, high = float(others.min()), float(others.max())
         beyond = np.abs(y[top] - np.clip(y[top], low, high))
-        if high > low and np.all(beyond > _SPANS * (high - low)) and np.all(np.diff(top) > 1):
+        one_value = (np.diff(y[top]) == 0.0) & (beyond[1:] > _WILD * (high - low))
+        single = np.all((np.diff(top) > 1) | one_value)
+        if high > low and np.all(beyond > _SPANS * (high - low)) and single:
             far[:] = False
             far[top] = True
     return far
