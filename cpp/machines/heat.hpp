@@ -33,7 +33,7 @@ inline constexpr std::array<Named<HeatTerms>, 7> kHeatTerms = {{
 
 /// The path of heat stores. Modes of the linear part are exact, however fast they are; what the
 /// loss grows by is a polynomial in time over a step, through its values at five points:
-/// collocation of an exponential integrator (Hochbruck and Ostermann, Acta Numer. 19 (2010) 209).
+/// collocation of an exponential integrator (Hochbruck and Ostermann, Acta Numerica 19, 209, 2010).
 class HeatStores {
 public:
     static constexpr std::size_t kStates = 3, kInputs = 2;  // those that are not there are not used
