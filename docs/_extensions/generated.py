@@ -306,7 +306,7 @@ def _real(results: dict[str, Any]) -> str:
             str(row["readings"]),
             *(_plain(row[key]) for key in ("verdict", "found", "size", "share", "gain")),
             row["judgement"],
-            _plain(row["others"]),
+            _plain(row.get("others", "not asked")),
             f"{row['cpu_s']:.0f}",
         ]
         for row in results["rows"].values()

@@ -24,9 +24,6 @@ ALIKE = 0.9
 half: a library's law is not nature's. Chosen."""
 
 
-_DIGITS = 9  # of a probability; below is rounding
-
-
 @dataclass(frozen=True, repr=False, eq=False)
 class Posterior(OneLine):
     """Probabilities, which sum to 1 over all models.
@@ -87,14 +84,14 @@ def posterior(models: Models) -> Posterior:
         by_set[key[0]] = by_set.get(key[0], 0.0) + math.exp(weight - total)
         if key[0] not in best or weight > best[key[0]][0]:
             best[key[0]] = weight, models.best[key]
-    # What no reading tells apart keeps the order of the list, whatever the rounding.
-    order = sorted(by_set, key=lambda names: -round(by_set[names], _DIGITS))
+    order = sorted(by_set, key=lambda names: -by_set[names])
     fits = tuple(best[names][1] for names in order)
     causes = {cause.name: 0.0 for cause in models.offered}
     for names, chance in by_set.items():
         for name in names:
             causes[name] = min(1.0, causes[name] + chance)  # rounding may pass 1
-    causes = dict(sorted(causes.items(), key=lambda item: -round(item[1], _DIGITS)))
+    # What no reading tells apart keeps the order of the list, whatever the rounding.
+    causes = dict(sorted(causes.items(), key=lambda item: -float(f"{item[1]:.9g}")))
     return Posterior(fits, {fit.name: by_set[fit.names] for fit in fits}, causes)
 
 
