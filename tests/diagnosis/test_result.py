@@ -43,7 +43,8 @@ def test_every_model_that_was_fitted_is_a_candidate(named, none, rough):
     for result in (named, none, rough):
         table = result.compare()
         assert np.isclose(table["probability"].sum(), 1.0)
-        assert table["probability"].is_monotonic_decreasing
+        chances = table["probability"].to_numpy()
+        assert np.all(np.diff(chances) <= 1e-8 * chances[:-1])  # but for what rounding decides
         assert table.loc["none", "log_evidence"] == 0.0
         for name in table.index:
             candidate = result.candidate(name)

@@ -347,7 +347,8 @@ class Facts:
         probability = 0.0 if verdict.fit is None else self.probability_of(verdict.fit.names)
         if verdict.kind == "none":
             # One that changes no reading of these data is as likely as it was before.
-            acts = {each.cause.name for each in self.findings.responses if each.gaps.any()}
+            acts = {each.cause.name for each in self.findings.responses
+                    if each.cause.is_constant or each.gaps.any()}  # fmt: skip
             causes = tuple(name for name in self.chance.causes if name in acts)[:1]
             probability = 1.0 - self.chance.none
         names = [self.words.title(name) for name in causes]

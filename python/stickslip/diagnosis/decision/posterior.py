@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from scipy.special import logsumexp
@@ -15,6 +16,8 @@ from stickslip.diagnosis.decision.test import ADEQUATE, adequacy
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.search import Models
+
+_Key = TypeVar("_Key")
 
 SURE = 0.95
 """Probability that a claim asks for, and that a set holds. The usual choice."""
@@ -69,6 +72,11 @@ class Posterior(OneLine):
         return self.models[fit.name] / max(whole, 1e-300)
 
 
+def _ordered(chances: Mapping[_Key, float]) -> list[_Key]:
+    """The likeliest first; what no reading tells apart in its own order, whatever the rounding."""
+    return sorted(chances, key=lambda key: -float(f"{chances[key]:.9g}"))
+
+
 def posterior(models: Models) -> Posterior:
     """Probabilities of all fitted models and forms."""
     weights = {key: models.log_posterior(fit) for key, fit in models.best.items()}
@@ -84,14 +92,13 @@ def posterior(models: Models) -> Posterior:
         by_set[key[0]] = by_set.get(key[0], 0.0) + math.exp(weight - total)
         if key[0] not in best or weight > best[key[0]][0]:
             best[key[0]] = weight, models.best[key]
-    order = sorted(by_set, key=lambda names: -by_set[names])
+    order = _ordered(by_set)
     fits = tuple(best[names][1] for names in order)
     causes = {cause.name: 0.0 for cause in models.offered}
     for names, chance in by_set.items():
         for name in names:
             causes[name] = min(1.0, causes[name] + chance)  # rounding may pass 1
-    # What no reading tells apart keeps the order of the list, whatever the rounding.
-    causes = dict(sorted(causes.items(), key=lambda item: -float(f"{item[1]:.9g}")))
+    causes = {name: causes[name] for name in _ordered(causes)}
     return Posterior(fits, {fit.name: by_set[fit.names] for fit in fits}, causes)
 
 
