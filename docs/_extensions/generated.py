@@ -189,6 +189,7 @@ class BenchResults(SphinxDirective):
         }
         rows = results[OF_VERDICTS[path.name]].values() if path.name in OF_VERDICTS else []
         parts = [*stale(rows), tables[path.name](results), _origin(results)]
+        parts += [_beside(results)] if path.name == "real.json" else []
         parsed = self.parse_text_to_nodes("\n\n".join(parts))
         return [nodes.container("", *parsed, classes=["measured"])]
 
@@ -306,16 +307,30 @@ def _real(results: dict[str, Any]) -> str:
             str(row["readings"]),
             *(_plain(row[key]) for key in ("verdict", "found", "size", "share", "gain")),
             row["judgement"],
-            _plain(row.get("others", "not asked")),
             f"{row['cpu_s']:.0f}",
         ]
         for row in results["rows"].values()
     ]
     header = [
         *("set", "cause listed", "readings", "verdict", "found", "size", "share"),
-        *("held-out error", "judgement", "other tools", "CPU s"),
+        *("held-out error", "judgement", "CPU s"),
     ]
     return _markdown_table(header, rows)
+
+
+def _beside(results: dict[str, Any]) -> str:
+    """What other tools say of the sets for which they were asked."""
+    asked = [row for row in results["rows"].values() if "others" in row]
+    rows = [[row["set"], row["listed"], row["judgement"], *map(_few, row["others"].split("; "))]
+            for row in asked]  # fmt: skip
+    return _markdown_table(["set", "cause listed", "stickslip", "best BIC", "stepwise F"], rows)
+
+
+def _few(said: str) -> str:
+    """Causes of a tool and whether they act, more than two by their number."""
+    causes, _, word = said.partition(": ")[2].rpartition(" ")
+    count = len(causes.split(" + "))
+    return _plain(f"{word.strip('()')}: {f'{count} causes' if count > 2 else causes}")
 
 
 def _walkers(results: dict[str, Any]) -> str:
