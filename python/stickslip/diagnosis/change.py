@@ -49,7 +49,6 @@ _USUAL = 0.1
 
 _FACTOR = 1.5  # within which a constant is likely of which a range is stated; chosen
 _DIGITS = 6  # in which equal settings agree
-_SAME = 0.1  # part of an effect by which that of the other side differs and is another; chosen
 
 
 def diagnose_change(
@@ -193,37 +192,11 @@ def posed_change(
         finer={f"{name}{at}": size for problem in problems for name, size in problem.finer.items()
                for at in ("", f"[{BEFORE}]", f"[{AFTER}]")},
     )  # fmt: skip
-    made = both.wider(whole, _differences(problems, shared, words))
-    return both.wider(whole, _told_apart(made)) if pairs else made
-
-
-def _told_apart(problem: Problem) -> list[Cause]:
-    """Differences less those of the earlier side that act as the later side's with another sign.
-
-    A scale or a load does; a delay does not, which acts after an edge on one side and before it on
-    the other, nor does what has one sign alone.
-    """
-    usual = np.zeros((2 * len(problem.causes) + 1, problem.size))
-    for k, cause in enumerate(problem.causes):
-        column = problem.columns([cause])[0]
-        usual[2 * k + 1 : 2 * k + 3, column] = np.clip([1.0, -1.0], *problem.limits[:, column])
-    here, *gaps = problem.model(problem.physical(usual))
-    effects, kept = (
-        {c.name: gaps[2 * k : 2 * k + 2] - here for k, c in enumerate(problem.causes)},
-        [],
-    )
-    for cause in problem.causes:
-        name = cause.name.removesuffix(f"[{BEFORE}]")
-        of_other = effects.get(f"{name}[{AFTER}]", effects[cause.name])
-        apart = np.nan_to_num(effects[cause.name][0] - of_other[1])
-        same = np.linalg.norm(apart) <= _SAME * np.linalg.norm(np.nan_to_num(of_other[1]))
-        if name == cause.name or not same:
-            kept.append(cause)
-    return kept
+    return both.wider(whole, _differences(problems, shared, words, bool(pairs)))
 
 
 def _differences(
-    problems: Sequence[Problem], shared: Collection[str], words: Vocabulary
+    problems: Sequence[Problem], shared: Collection[str], words: Vocabulary, paired: bool
 ) -> list[Cause]:
     told, changes, effects = Words(words, problems[1].causes), [], []
     for one in problems[1].constants:
@@ -238,6 +211,12 @@ def _differences(
     for side, cause in of_sides:
         if cause.curve is not None:
             raise ScenarioError(f"cause {cause.name}: allowed is no law of a free shape here")
+        first = cause.parameters[0]
+        # Of differences one of the earlier side is one of the later with the other sign, but for a
+        # delay: late before is after an edge, early afterwards before it.
+        signed = not (first.one_sided or first.falls or first.unit == "s")
+        if paired and side == BEFORE and signed:
+            continue
         own = tuple(replace(one, name=f"{one.name}[{side}]") for one in cause.parameters)
         meaning = f"{told.title(cause.name)} only {side}"
         effects.append(replace(cause, name=f"{cause.name}[{side}]", parameters=own, table=None,
