@@ -86,7 +86,11 @@ def chance_of_other_constants(models: Models, null: Fit) -> float:
         return 0.0
     form = models.forms[null.form]
     start = minimise(problem, form, others, null.x, h=null.h)
-    costs = form.cost(np.stack([null.residual, in_step(problem, [start])[0].residual]), null.h)
+    try:
+        (fit,) = in_step(problem, [start])
+    except np.linalg.LinAlgError:  # nothing can be fitted there, and so nothing said
+        return 0.0
+    costs = form.cost(np.stack([null.residual, fit.residual]), null.h)
     return float(chi2.sf(costs[0] - costs[1], len(others)))
 
 
