@@ -247,7 +247,6 @@ def measured(name: str, path: Path, budget: Budget) -> None:
         part = {**stated, "rows": {}}
     parts[name] = part = {**part, "complete": False,
                           "date": datetime.now(timezone.utc).date().isoformat()}  # fmt: skip
-    allowed = os.sched_getaffinity(0)
     try:
         for figure, row in PARTS[name](part["rows"], budget):
             part["rows"][figure] = rounded(row)
@@ -256,8 +255,6 @@ def measured(name: str, path: Path, budget: Budget) -> None:
     except OutOfTime:
         print(f"{name}: out of time; the next call goes on")
         return
-    finally:
-        os.sched_setaffinity(0, allowed)
     part["complete"] = True
     written(path, parts)
 

@@ -198,7 +198,7 @@ private:
 
     std::size_t count_ = 1, heater_;  // of stores, and which of them the power heats
     HeatTerms c;
-    double alike_ = 0.0, left_ = 0.0;        // s, steps
+    double left_ = 0.0;                      // steps
     State rates_ = {}, energy_ = {};         // 1/s, J/K
     std::array<State, kStates> modes_ = {};  // of each store
     std::vector<Weights> known_;

@@ -372,7 +372,7 @@ private:
 
 /// States at readings: calls `write(reading, state)`, with NaN where they are not known.
 ///
-/// times: s, of the readings. Way: how a system moves if by no Path.
+/// times: s, of the readings. Way: what moves it in place of a Path.
 template <class Way = void, class System>
 void follow(const System& system, const typename System::State& start,
             std::span<const double> times, const Signals<System::kInputs>& signals, auto&& write) {

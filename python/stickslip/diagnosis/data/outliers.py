@@ -22,8 +22,8 @@ ROBUST = 1.48
 
 _RECORD, _SINGLE, _SPANS, _WILD = 20, 3, 3.0, 1e6
 """Fewest readings of a record, most that are left out of it, and how many spans of all others they
-lie beyond these, single ones or neighbours of one value. Chosen: no motion does so for one reading,
-or comes from and goes to a millionth; what meters write for none does."""
+lie beyond these: single ones, and neighbours of one value. Chosen: no motion does the first for one
+reading, nor the second at all; what meters write for none does."""
 _ENDS = {
     end
     for bits in (16, 32)
@@ -56,7 +56,7 @@ def robust_sd(deviation: Array, axis: int | None = None) -> Array:
 
 
 def far_from_all_others(y: Array) -> Mask:
-    """Which readings of a record, single ones and few, are far beyond what all others span."""
+    """Which readings of a record, a few and at most neighbours of one value, are beyond all others."""
     far = np.zeros(len(y), dtype=bool)
     order = np.argsort(np.abs(y - np.median(y)), kind="stable")
     for count in range(1, _SINGLE + 1) if len(y) >= _RECORD else ():

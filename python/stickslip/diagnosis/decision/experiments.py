@@ -109,8 +109,8 @@ def next_step(
         return Note("no-safe-name", "No name is safe, as the verdict is ambiguous.")
     if kind == "none" and probability >= LEFT:
         text = (
-            f"With a probability of {100.0 * probability:.0f} % a cause is there all the same, "
-            f"such as {' and '.join(names)}: repeat readings, and vary "
+            f"With a probability of {100.0 * probability:.0f} % a cause is there all the same"
+            f"{', such as ' * bool(names)}{' and '.join(names)}: repeat readings, and vary "
             f"{' and '.join(same) or 'the settings more'}."
         )
         return Note("cause-left", text, probability)

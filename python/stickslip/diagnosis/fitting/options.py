@@ -1,6 +1,6 @@
 """How hard the search over models and its descents look, and where they stop.
 
-All are chosen; where it is known on what, the line of one says so. A bench varies them by `vary`.
+All are chosen; where it is known on what, the line of one says so. Tests vary them by `vary`.
 """
 
 from __future__ import annotations

@@ -23,7 +23,7 @@ from stickslip._util.palette import BLUE, DARK_GREY, VERMILION
 from stickslip._util.text import json_text
 from stickslip.diagnosis.decision.facts import Facts
 from stickslip.diagnosis.decision.posterior import SURE
-from stickslip.diagnosis.decision.test import ADEQUATE, ALPHA
+from stickslip.diagnosis.decision.test import ADEQUATE
 from stickslip.diagnosis.decision.verdict import DOMINANT
 from stickslip.diagnosis.report.numbers import numbers_of
 from stickslip.diagnosis.report.pictures import Plots
@@ -62,7 +62,6 @@ def page(numbers: Mapping[str, Any], figures: Mapping[str, Any], vocabulary: Voc
     text = page_text(
         "diagnosis/report/report.html.j2", r=numbers, figures=figures, folds=[], a=amounts,
         w=Words(vocabulary), sure=SURE, adequate=ADEQUATE, dominant=DOMINANT,
-        alpha=ALPHA,
         drawing=lambda name, way: Markup(vocabulary.drawing(name, way)),
     )  # fmt: skip
     # No line ends between a number and its sign or unit.

@@ -34,6 +34,8 @@ class Numbers(TypedDict):
     """What each member has beside these, in words."""
     unproven: bool
     """Whether held-out readings do not prove a second cause."""
+    misfit_of_both: bool
+    """For `none`: whether both of two sides have a misfit, and no difference is seen."""
 
 
 def numbers(facts: Facts) -> Numbers:
@@ -52,6 +54,7 @@ def numbers(facts: Facts) -> Numbers:
         "partial": verdict.partial, "members": [fit.name for fit in verdict.members],
         "common": [words.title(name) for name in verdict.common], "beside": _beside(facts),
         "unproven": any(note.code == "second-cause-predicts-nothing" for note in verdict.reasons),
+        "misfit_of_both": any(note.code == "misfit-of-both" for note in verdict.reasons),
     }  # fmt: skip
 
 
