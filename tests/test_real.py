@@ -1,5 +1,6 @@
 """Measured sets with a known cause, diagnosed by the bench and judged."""
 
+import runpy
 from dataclasses import replace
 
 import numpy as np
@@ -18,11 +19,14 @@ from real.score import Measured, Truth, judged, row
 
 from stickslip import Series
 
+MACHINES = {name: runpy.run_path(str(study.MACHINES[name])) for name in ("axis", "tanks", "drops")}
+AXIS, DROPS = MACHINES["axis"]["TRUTH"], MACHINES["drops"]["DROPS"]
+
 
 @pytest.fixture(scope="module")
 def segments():
     return {
-        listed: study.axis.diagnosed(() if listed else study.AXIS.present)
+        listed: MACHINES["axis"]["case"].diagnosed(() if listed else AXIS.present)
         for listed in (True, False)
     }
 
@@ -32,7 +36,7 @@ def test_the_smallest_set_with_a_known_size_is_judged_right(segments):
     def diagnosed(without):
         return segments[not without]
 
-    measured = Measured("axis", (1e3, "mN"), study.AXIS, diagnosed)
+    measured = Measured("axis", (1e3, "mN"), AXIS, diagnosed)
     with_it, without = row(measured), row(measured, listed=False)
     assert (with_it.found, with_it.judgement) == ("viscous_asymmetry", "right")
     assert with_it.size.endswith("N s/m (known: 36.9)")
@@ -59,11 +63,11 @@ def test_each_judgement_is_given(segments):
     found, missed = segments[True], segments[False]
     name = "viscous_asymmetry.half"
     value, sd = found.params.loc[name, ["value", "sd"]]
-    assert judged(found, replace(study.AXIS, certain=False)) == "not contradicted"
+    assert judged(found, replace(AXIS, certain=False)) == "not contradicted"
     assert judged(found, Truth(("ripple",))) == "wrong: viscous_asymmetry"
-    assert judged(found, Truth(("ripple",), study.AXIS.present)) == "possible"
+    assert judged(found, Truth(("ripple",), AXIS.present)) == "possible"
     for far, said in ((2.9, "right"), (3.1, f"wrong: {name} = {value:.4g}")):
-        known = replace(study.AXIS, values={name: (value + far * sd, 0.0)})
+        known = replace(AXIS, values={name: (value + far * sd, 0.0)})
         assert judged(found, known) == said
     (nearest,) = missed.verdict.leader.names
     assert judged(missed, Truth((nearest,))) == "silent, the truth nearest"
@@ -76,7 +80,7 @@ def record(pump):
 
 def levels(pump, **values):
     p = {"k1": 0.05, "k2": 0.05, "k3": 0.0, "k4": 0.04, "level1": 4.0, "level2": 0.0}
-    return study.tanks.lower_level(
+    return MACHINES["tanks"]["case"].lower_level(
         record(pump), {name: np.full((2, 1), value) for name, value in {**p, **values}.items()}
     )
 
@@ -102,7 +106,7 @@ def test_tanks_keep_the_water_and_empty_as_torricelli_says():
 
 @pytest.mark.nightly
 def test_the_drops_give_no_confident_wrong_angle():
-    found = diagnose_impacts(heights, first_impacts(read_drops(study.DROPS)))
+    found = diagnose_impacts(heights, first_impacts(read_drops(DROPS)))
     # Nineteen heights are too few to choose; of 151 a pair is claimed, with the known offset.
     assert judged(found, HEIGHTS) == "large set"
 
@@ -111,7 +115,7 @@ def test_the_drops_give_no_confident_wrong_angle():
 def test_the_robust_fit_does_not_depend_on_where_it_begins():
     # A search ends where the log-likelihood of 57 readings changes by less than 0.001, which is an
     # error that is 1 % off; other minima leave errors that are tens of per cent larger or smaller.
-    impacts = first_impacts(read_drops(study.DROPS))
+    impacts = first_impacts(read_drops(DROPS))
     first, second = (np.sort(robust_fit(velocities, impacts, seed)[1], axis=1) for seed in (0, 1))
     np.testing.assert_allclose(np.median(second, axis=1), np.median(first, axis=1), rtol=0.02)
     np.testing.assert_allclose(second[:, -1], first[:, -1], rtol=0.02)

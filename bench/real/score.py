@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 from time import process_time
 
 import numpy as np
 from causes.tools import TOOLS, Asked, ours
 from scores import CLAIMS, FEW
 
-from stickslip import Cause, Diagnosis
+from stickslip import Cause, Diagnosis, diagnose, read_measurement
 from stickslip.diagnosis.fitting.problem import Problem
 
 _FAR = 3.0
@@ -77,6 +78,22 @@ def with_absent(
 ) -> dict[str, np.ndarray | float]:
     """The parameters, and 0 for those of causes that are not listed."""
     return {**{each.name: 0.0 for cause in causes for each in cause.parameters}, **p}
+
+
+def of_files(path: Path, parameter: str) -> Callable[[Collection[str]], Diagnosis]:
+    """The diagnosis of a measurement's files with the simulator and its library of causes.
+
+    An extension that is part of the scenario is no cause: one that is left out is there, with a
+    billionth of its parameter.
+    """
+
+    def diagnosed(without: Collection[str]) -> Diagnosis:
+        measured = read_measurement(path)
+        none = {f"effects.{each}.{parameter}": 1e-9 for each in without}
+        scenario = measured.scenario.replace(none)
+        return diagnose(replace(measured, scenario=scenario), threads=1)
+
+    return diagnosed
 
 
 def row(measured: Measured, listed: bool = True) -> Row:

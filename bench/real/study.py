@@ -13,71 +13,25 @@ import json
 import runpy
 import sys
 from dataclasses import asdict, fields
-from functools import partial
 from pathlib import Path
 from typing import Any
 
-from cases.axis import case as axis
-from cases.tanks import case as tanks
 from measure import add_out, saved
 from stale import digest
 
-from . import impacts, robots, slider
-from .flights import read_drops
-from .score import Measured, Row, Truth, row
+from .score import Measured, Row, row
 
-HERE = Path(__file__).parent
-DATA = HERE.parents[1] / "tests" / "data"
-DROPS = DATA / "square_drops.csv.gz"
-MACHINES = {path.parent.name: path for path in sorted(HERE.glob("machines/*/machine.py"))}
-NAMES = ("tumbler", "rollers", "axis", "tanks", "slider", "drops", *MACHINES)
+MACHINES = {path.parent.name: path
+            for path in sorted(Path(__file__).parent.glob("machines/*/machine.py"))}  # fmt: skip
 WALKERS = ("tumbler", "rollers", "drops", "walk")
-
-AXIS = Truth(("viscous_asymmetry",), values={"viscous_asymmetry.half": (36.86, 0.87)})
-TANKS = Truth(("upper_overflow", "lower_overflow", "sensor_end"))
+NAMES = tuple(name for name in MACHINES if name != "walk")  # which is simulated
 
 
-def measured_sets(name: str, drops: Path = DROPS) -> list[Measured]:
-    """The sets of a name, as tables or in time."""
-    if name == "tumbler":
-        turned = partial(robots.diagnose_files, robots.TUMBLER_CASE, "angle")
-        return [Measured("tumbler", (57.2958, "degrees"), robots.TUMBLER, turned)]
-    if name == "walk":
-        path = robots.EXAMPLES / "measurement.toml"
-        walked = partial(robots.diagnose_files, path, "fraction")
-        return [Measured("walk of the README, simulated", (1e6, "um/s"), robots.WALK, walked)]
-    if name == "rollers":
-        path = DATA / "roller_velocity.csv"
-        rolled = partial(robots.diagnose_rollers, path)
-        return [Measured("rollers", (1e6, "um/s"), robots.ROLLERS, rolled)]
-    if name == "axis":
-        return [
-            Measured(f"axis, {how}", (1.0, "N"), AXIS, diagnosed)
-            for how, diagnosed in (
-                ("ten segments", axis.diagnosed),
-                ("20 Hz", axis.diagnose_in_time),
-                ("four repeats", axis.diagnose_repeats),
-            )
-        ]
-    if name == "tanks":
-        return [Measured("tanks", (1.0, "V"), TANKS, tanks.diagnosed)]
-    if name == "slider":
-        slid = partial(slider.diagnose_slider, DATA / "slider_events.csv")
-        return [Measured("slider", (1e3, "mN/N"), slider.TRUTH, slid)]
-    if name in MACHINES:
-        return list(runpy.run_path(str(MACHINES[name]))["SETS"])
-    read = read_drops(drops)
-    first = impacts.first_impacts(read)
-    return [
-        Measured(
-            f"{len(read)} drops, {what}", unit, truth,
-            partial(impacts.diagnose_impacts, pose, first),
-        )
-        for what, unit, truth, pose in (
-            ("heights", (1e3, "mm"), impacts.HEIGHTS, impacts.heights),
-            ("velocities", (1e3, "mm/s"), impacts.VELOCITIES, impacts.velocities),
-        )
-    ]  # fmt: skip
+def measured_sets(name: str, drops: Path | None = None) -> list[Measured]:
+    """The sets of a machine, of which drops may be others."""
+    machine = runpy.run_path(str(MACHINES[name]))
+    own = machine["sets"](drops) if drops and "sets" in machine else machine["SETS"]
+    return list(own)
 
 
 def text(found: Row) -> str:
@@ -97,7 +51,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m bench real", description=__doc__)
     known = ("walkers", *NAMES)
     parser.add_argument("sets", nargs="*", metavar="SET", help=", ".join(known))
-    parser.add_argument("--drops", type=Path, default=DROPS, help="CSV of drops")
+    parser.add_argument("--drops", type=Path, help="CSV of other drops")
     add_out(parser, "real")
     options = parser.parse_args(arguments)
     program = "real"
