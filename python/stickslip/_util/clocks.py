@@ -172,20 +172,21 @@ def _wrapped(t: Array, unit: str | None, lines: Sequence[Line], notes: list[Note
     if not fits:
         return t
     span = min(fits, key=lambda each: float(np.max(np.abs(steps[fallen] + each - usual))))
-    _tell(notes, fallen, lines, span, spans[span])
-    return _on(t, fallen, span)
+    return _put_on(t, fallen, span, lines, notes, spans[span])
 
 
-def _tell(notes: list[Note], before: Indices, lines: Sequence[Line], span: float, of: str) -> None:
-    where = ", ".join(str(lines[k + 1]) for k in before[:3].tolist())
-    text = f"The clock begins anew at line {where}{', ...' if len(before) > 3 else ''}: counted on "
-    notes.append(Note("clock-counted-on", f"{text}by {span:.10g} s, {of}.", span))
-
-
-def _on(t: Array, before: Indices, span: float) -> Array:
-    more = np.zeros(len(t))
-    more[before + 1] = span
-    return np.asarray(t + np.cumsum(more))
+def _put_on(
+    t: Array, before: Indices, span: float, lines: Sequence[Line], notes: list[Note], of: str
+) -> Array:
+    """Times that are later by a span after each of these rows, and a note where there is one."""
+    if len(before):
+        where = ", ".join(str(lines[k + 1]) for k in before[:3].tolist())
+        where += ", ..." if len(before) > 3 else ""
+        text = f"The clock begins anew at line {where}: counted on by {span:.10g} s, {of}."
+        notes.append(Note("clock-counted-on", text, span))
+    later = np.zeros(len(t))
+    later[before + 1] = span
+    return np.asarray(t + np.cumsum(later))
 
 
 def _of_stamps(
@@ -213,20 +214,16 @@ def _of_stamps(
         if max(hours) <= 12 and len(halves) and np.all((halves > 0.0) & (halves <= JUMP * usual)):
             span = _HALF
         fallen = np.flatnonzero(steps < -0.5 * span)
-        if len(fallen):
-            _tell(notes, fallen, lines, span, "after which the clock is where it was")
-        return _on(t, fallen, span)
+        return _put_on(t, fallen, span, lines, notes, "after which the clock is where it was")
     if first is not None:
         notes.append(Note("dates", f"Times are counted from the first, {_date(1e-9 * first)}."))
     for sign in (1.0, -1.0):
         moved = steps + sign * _HOUR
         at = np.flatnonzero((moved > 0.0) & (moved <= JUMP * usual) & (
             (steps <= 0.0) if sign > 0.0 else (steps > JUMP * usual)))  # fmt: skip
-        at = at[[_may_be_put(stamps.get(k + 1), t[k + 1], first) for k in at.tolist()]] \
-            if len(at) else at  # fmt: skip
-        if len(at):
-            _tell(notes, at, lines, sign * _HOUR, "as the clock is put for summer or winter")
-            t = _on(t, at, sign * _HOUR)
+        put = [_may_be_put(stamps.get(k + 1), t[k + 1], first) for k in at.tolist()]
+        of = "as the clock is put for summer or winter"
+        t = _put_on(t, at[np.array(put, dtype=bool)], sign * _HOUR, lines, notes, of)
     return t
 
 
@@ -264,31 +261,36 @@ def counted_on(
     """
     known = np.flatnonzero(np.isfinite(values))
     y = values[known]
-    low, high = (float(np.min(y)), float(np.max(y))) if len(y) else (0.0, 0.0)
-    steps = np.diff(y)
-    spans = [] if turn is None else [turn]
-    step = high - low
-    # The power of ten of which all numbers are whole ones.
-    raw, quanta = y * column.what.per, _QUANTA if step > 0.0 else ()
-    whole = (q for q in quanta if np.allclose(raw / q, np.round(raw / q), rtol=1e-10))
-    quantum = next(whole, 0.0) / column.what.per
-    for bits in (16, 32):
-        span, edge = quantum * 2.0**bits, 0.01 * quantum * 2.0**bits
-        full = (0.0 <= low < edge and high > span - edge) or (
-            low < edge - 0.5 * span and high > 0.5 * span - edge)  # fmt: skip
-        spans += [span] if full and step < span else []
-    for span in spans:
-        wide = np.flatnonzero(np.abs(steps) > 0.5 * span)
-        near = np.abs(np.abs(steps[wide]) - span) < 0.25 * span
-        if step > span * (1.0 + 1e-6) or not len(wide) or not near.all():
+    for span in [*([] if turn is None else [turn]), *_full_spans(y, column.what.per)]:
+        turns = -np.round(np.diff(y) / span)
+        wide = np.flatnonzero(turns)
+        left = np.abs(np.diff(y) + span * turns)[wide]
+        if not len(wide) or np.ptp(y) > span * (1.0 + 1e-6) or np.any(left >= 0.25 * span):
             continue
-        made, whole_turns = values.copy(), -span * np.round(steps / span)
-        made[known] = y + np.concatenate([[0.0], np.cumsum(whole_turns)])
+        made = values.copy()
+        made[known] = y + span * np.concatenate([[0.0], np.cumsum(turns)])
         if span != turn:  # a count below zero was written as a large one
             made -= span * np.round(np.median(made[known][:9]) / span)
-        size = span * column.what.per
         text = f"{column.what.heading} begins anew {len(wide)} times, first at line "
-        text += f"{lines[known[wide[0] + 1]]}: counted on by {size:.6g}"
-        return made, Note("counted-on", f"{text} there, {'a turn' if span == turn else 'a counter'}"
-                          ".", len(wide))  # fmt: skip
+        text += f"{lines[known[wide[0] + 1]]}: counted on by {span * column.what.per:.6g} there, "
+        text += "a turn." if span == turn else "a counter."
+        return made, Note("counted-on", text, len(wide))
     return values, None
+
+
+def _full_spans(y: Array, per: float) -> list[float]:
+    """What numbers, SI, count through if they use all of the 16 or 32 bits that they have.
+
+    They are whole ones `per` SI unit, or in tenths and so on.
+    """
+    if not len(y) or not np.ptp(y):
+        return []
+    raw = y * per
+    whole = (q for q in _QUANTA if np.allclose(raw / q, np.round(raw / q), rtol=1e-10))
+    quantum, spans = next(whole, math.inf), []
+    low, high = np.min(raw) / quantum, np.max(raw) / quantum
+    for end in (2.0**16, 2.0**32):
+        from_zero = 0.0 <= low < 0.01 * end and high > 0.99 * end
+        if high - low < end and (from_zero or (low < -0.49 * end and high > 0.49 * end)):
+            spans.append(end * quantum / per)
+    return spans
