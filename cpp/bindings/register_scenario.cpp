@@ -310,7 +310,7 @@ void set_forces(Scenario& scenario, const std::optional<Array>& rows) {
 /// The voltages as the coils get them, in the world's frame.
 VoltageProgram world_program(const Scenario& scenario) {
     const RobotFrame frame = frame_of(scenario);
-    return frame.seen(make_program(scenario, frame));
+    return frame.to_world(make_program(scenario, frame));
 }
 
 /// f of an effect with a free shape, or of a law that is a curve, as an array of the shape of
@@ -384,7 +384,7 @@ void register_scenario(py::module_& module) {
                  return result;
              })
         .def("program", &world_program)
-        .def("asked_voltages", &asked_voltages)
+        .def("commanded_voltages", &commanded_voltages)
         .def(
             "rocking_rate",
             [](const Scenario& self, double tesla) {
