@@ -13,7 +13,8 @@ from measured_maps import formula_map, with_map
 from stickslip import Coils, Drive, Scenario, ScenarioError, load, optimise, simulate
 from stickslip.design.goal import DRAGGED
 from stickslip.design.sawtooth import GRID
-from stickslip.design.space import Space, drive_waveform
+from stickslip.design.space import Space
+from stickslip.scenario.waveform import drive_waveform
 
 START = Scenario(drive=Drive(base=0.5e-3, pulses=6, ramp=0.02))
 WALK = {"maximise": "mean_velocity", "free": {"drive.frequency": (40.0, 160.0)}}

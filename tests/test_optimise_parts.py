@@ -11,6 +11,7 @@ from stickslip.design.goal import best_first, made_goal
 from stickslip.design.optimise import landscape, neighbours
 from stickslip.design.sawtooth import GRID, POINTS, sawtooths
 from stickslip.design.space import made_space
+from stickslip.scenario.waveform import drive_waveform
 
 START = Scenario(drive=Drive(base=0.5e-3, pulses=6, ramp=0.02))
 
@@ -195,9 +196,9 @@ def test_a_free_waveform_begins_as_the_start_drives():
     space = space_of({"drive.mode": ["IPP", "OPP"]}, knots=10, coils=("xp", "clamp"))
     times = START.drive.ramp + np.arange(10) / (10 * START.drive.frequency)
     for arm, point in enumerate(space.starts()):
-        given = START.replace(space.arms[arm]).to_core().program()
+        given = START.replace(space.arms[arm])
         made = START.replace(space.changes(space.values(arm, *point))).drive.program
-        assert made.voltages(times) == pytest.approx(Waveform(given).voltages(times))
+        assert made.voltages(times) == pytest.approx(drive_waveform(given).voltages(times))
 
 
 def about(space, values, score, **limits):

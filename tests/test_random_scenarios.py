@@ -189,7 +189,7 @@ def test_the_sanitizers_are_silent(scenario):
             value = scenario.get(name)
             keys[name] = repr(value) if isinstance(value, float) else str(value)
     if program is not None:
-        ((times, voltages, repeats),) = program.to_core()
+        ((times, voltages, repeats),) = program.blocks
         rows = np.column_stack([times, voltages]).tolist()
         keys["program"] = ";".join([str(repeats), *(" ".join(map(repr, row)) for row in rows)])
     text = "".join(f"{key}={value}\n" for key, value in keys.items())

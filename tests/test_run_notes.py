@@ -113,7 +113,7 @@ def test_the_change_of_the_field_is_that_between_the_places_of_start_and_end(cha
     run = run_of({**FIRST, **changes})
     end, scenario = run.final_state, run.scenario
     # Voltages at the tops of in-plane and holding coil.
-    _, volts, _ = scenario.to_core().program()[1]
+    _, volts, _ = scenario.to_core().program().blocks[1]
     largest = volts[np.argmax(np.abs(volts), axis=0), np.arange(5)]
     coils = Coils.of(scenario)
     resistance = scenario.coil.resistance

@@ -46,9 +46,8 @@ def teeth(period, **more):
 
 
 def tooth(program):
-    return shortest_tooth(
-        Scenario(drive=Drive(mode="program", program=program)).to_core().program()
-    )
+    scenario = Scenario(drive=Drive(mode="program", program=program))
+    return shortest_tooth(scenario.to_core().program().blocks)
 
 
 def test_the_factor_of_a_unit_is_the_nearest_within_half_a_decade():

@@ -26,7 +26,7 @@ DRIVES = [
 
 
 def core_blocks(scenario):
-    return [(t.tolist(), v.tolist(), n) for t, v, n in scenario.to_core().program()]
+    return [(t.tolist(), v.tolist(), n) for t, v, n in scenario.to_core().program().blocks]
 
 
 def blocks(waveform):

@@ -196,7 +196,7 @@ def pieces(scenario: Scenario) -> Iterator[tuple[list[float], list[float], float
     As the amplifiers are asked for them: what they clip is theirs to do.
     """
     asked = scenario.replace({"effects.amplifier_limit.voltage": 0.0})
-    for times, volts, repeats in asked.to_core().program():
+    for times, volts, repeats in asked.to_core().program().blocks:
         once = [
             (volts[k].tolist(), volts[k + 1].tolist(), float(times[k + 1] - times[k]))
             for k in range(len(times) - 1)

@@ -48,8 +48,8 @@ MUTATIONS = (
         "friction_anisotropy",
         "named_laws.cpp",
         "if (amplitude == 0.0) continue;\n        result",
-        "if (amplitude == 0.0 || (row.kind.argument == way && !frame.whole_plane)) continue;\n"
-        "        result",
+        "if (amplitude == 0.0 || (row.kind.argument == slip_sign && !frame.whole_plane))\n"
+        "            continue;\n        result",
     ),
     Mutation(
         "one plane",

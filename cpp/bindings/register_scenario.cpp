@@ -32,9 +32,8 @@ using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Value = std::variant<double, std::int64_t, std::string>;
 
 Value value_of(const Parameter& row, const Scenario& scenario) {
-    const double number = row.get(scenario);
-    if (row.integer) return static_cast<std::int64_t>(number);
-    return number;
+    if (row.integer) return static_cast<std::int64_t>(row.get(scenario));
+    return row.get(scenario);
 }
 
 Value law_value(const Scenario& scenario, const LawPlace& place) {
@@ -175,8 +174,7 @@ py::list describe_keys() {
     for (const Choice& c : choices()) {
         const Parameter* number = find_parameter(c.key);
         py::dict row = describe(c.key, c.set_some ? "fields" : "word", c.meaning, c.get(defaults));
-        row["allowed"] = "one of " + quoted_words(c.allowed);
-        if (c.set_some) row["allowed"] = "one or more of " + quoted_words(c.allowed);
+        row["allowed"] = (c.set_some ? "one or more of " : "one of ") + quoted_words(c.allowed);
         if (number != nullptr) {
             row = describe(c.key, *number, c.get(defaults));
             row["kind"] = "rate";
@@ -215,8 +213,7 @@ py::object describe_law_key(const std::string& name) {
     const std::optional<LawPlace> place = find_law_key(name);
     if (!place) return py::none();
     const LawKey& key = *place->key;
-    const bool is_word = !key.words.empty();
-    if (is_word) {
+    if (!key.words.empty()) {
         py::dict row = describe(name, "word", key.meaning, std::string());
         row["allowed"] = "one of " + quoted_words(key.words);
         row["words"] = py::tuple(py::cast(key.words));
@@ -260,25 +257,16 @@ py::list describe_effects() {
 }
 
 /// Blocks as (times, voltages (n, 5), repeats).
-VoltageProgram program_from(const py::sequence& blocks) {
+VoltageProgram program_from(const std::vector<std::tuple<Array, Array, std::int64_t>>& blocks) {
     std::vector<VoltageBlock> result;
-    for (const py::handle item : blocks) {
-        const auto [times, voltages, repeats] = item.cast<std::tuple<Array, Array, std::int64_t>>();
+    for (const auto& [times, voltages, repeats] : blocks) {
         const auto t = times.unchecked<1>();
         const auto v = voltages.unchecked<2>();
-        if (v.shape(0) != t.shape(0) || v.shape(1) != kCoilCount) {
-            throw std::invalid_argument("voltages must have the shape (n, 5) for n times");
-        }
-        VoltageBlock block;
-        block.repeats = repeats;
+        std::vector<VoltagePoint> points;
         for (py::ssize_t i = 0; i < t.shape(0); ++i) {
-            VoltagePoint point{t(i), {}};
-            for (py::ssize_t k = 0; k < kCoilCount; ++k) {
-                point.voltage[static_cast<std::size_t>(k)] = v(i, k);
-            }
-            block.points.push_back(point);
+            points.push_back({t(i), {v(i, 0), v(i, 1), v(i, 2), v(i, 3), v(i, 4)}});
         }
-        result.push_back(std::move(block));
+        result.push_back({std::move(points), repeats});
     }
     return VoltageProgram(std::move(result));
 }
@@ -286,19 +274,13 @@ VoltageProgram program_from(const py::sequence& blocks) {
 py::list blocks_of(const VoltageProgram& program) {
     py::list result;
     for (const VoltageBlock& block : program.blocks()) {
+        const VoltagePoint& first = block.points.front();
+        constexpr py::ssize_t kNumber = sizeof(double), kNext = sizeof(VoltagePoint);
         const auto count = static_cast<py::ssize_t>(block.points.size());
-        Array times(count);
-        Array voltages({count, py::ssize_t{kCoilCount}});
-        auto t = times.mutable_unchecked<1>();
-        auto v = voltages.mutable_unchecked<2>();
-        for (py::ssize_t i = 0; i < count; ++i) {
-            const VoltagePoint& point = block.points[static_cast<std::size_t>(i)];
-            t(i) = point.time;
-            for (py::ssize_t k = 0; k < kCoilCount; ++k) {
-                v(i, k) = point.voltage[static_cast<std::size_t>(k)];
-            }
-        }
-        result.append(py::make_tuple(times, voltages, block.repeats));
+        result.append(py::make_tuple(py::array_t<double>({count}, {kNext}, &first.time),
+                                     py::array_t<double>({count, py::ssize_t{kCoilCount}},
+                                                         {kNext, kNumber}, &first.voltage[0]),
+                                     block.repeats));
     }
     return result;
 }
@@ -309,10 +291,7 @@ std::array<double, 2> set_accelerations(Scenario& scenario, const std::optional<
     if (!rows) return {};
     const auto r = rows->unchecked<2>();
     std::vector<Accelerations::Point> points;
-    points.reserve(static_cast<std::size_t>(r.shape(0)));
-    for (py::ssize_t i = 0; i < r.shape(0); ++i) {
-        points.push_back({.time = r(i, 0), .x = r(i, 1), .z = r(i, 2)});
-    }
+    for (py::ssize_t i = 0; i < r.shape(0); ++i) points.push_back({r(i, 0), r(i, 1), r(i, 2)});
     const auto made = std::make_shared<const Accelerations>(std::move(points));
     scenario.shake.accelerations = made;
     return made->mean();
@@ -324,7 +303,6 @@ void set_forces(Scenario& scenario, const std::optional<Array>& rows) {
     if (!rows) return;
     const auto r = rows->unchecked<2>();
     std::vector<InnerDrive::Row> given;
-    given.reserve(static_cast<std::size_t>(r.shape(0)));
     for (py::ssize_t i = 0; i < r.shape(0); ++i) given.push_back({r(i, 0), r(i, 1)});
     scenario.inner.drive.set_rows(std::move(given));
 }
@@ -332,7 +310,7 @@ void set_forces(Scenario& scenario, const std::optional<Array>& rows) {
 /// The voltages as the coils get them, in the world's frame.
 VoltageProgram world_program(const Scenario& scenario) {
     const RobotFrame frame = frame_of(scenario);
-    return frame.seen(make_program(scenario, frame));
+    return frame.to_world(make_program(scenario, frame));
 }
 
 /// f of an effect with a free shape, or of a law that is a curve, as an array of the shape of
@@ -357,6 +335,12 @@ void register_scenario(py::module_& module) {
     module.attr("law_keys") = names_of(law_keys());
     module.attr("named_laws") = names_of(with_named_laws(std::vector<EffectDescription>()));
 
+    py::class_<VoltageProgram>(module, "VoltageProgram")
+        .def(py::init(&program_from), py::arg("blocks"))
+        .def_property_readonly("blocks", &blocks_of)
+        .def_property_readonly("duration", &VoltageProgram::duration)
+        .def("turned", [](const VoltageProgram& self) { return turned(self); });
+
     py::class_<SimulationState>(module, "State").def("get", &state_value, py::arg("key"));
 
     py::class_<Scenario>(module, "Scenario")
@@ -377,10 +361,10 @@ void register_scenario(py::module_& module) {
                         const std::string& /*section*/) { self.initial = state; })
         .def(
             "set_program",
-            [](Scenario& self, const std::optional<py::sequence>& blocks) {
-                self.program = blocks ? program_from(*blocks) : VoltageProgram();
+            [](Scenario& self, const VoltageProgram* program) {
+                self.program = program ? *program : VoltageProgram();
             },
-            py::arg("blocks"))
+            py::arg("program"))
         .def(
             "set_map",
             [](Scenario& self, const FieldMap* map) {
@@ -399,8 +383,8 @@ void register_scenario(py::module_& module) {
                  }
                  return result;
              })
-        .def("program", [](const Scenario& self) { return blocks_of(world_program(self)); })
-        .def("asked_voltages", &asked_voltages)
+        .def("program", &world_program)
+        .def("commanded_voltages", &commanded_voltages)
         .def(
             "rocking_rate",
             [](const Scenario& self, double tesla) {

@@ -19,7 +19,7 @@ TEST_CASE("impulse without collision: slip and nothing else, through the corner"
         BodyState before;
         before.omega = random.between(-1000.0, 1000.0);
         before.vx = slip + before.omega * pose.height;
-        before.vz = before.omega * pose.lever;
+        before.vz = before.omega * pose.lever_arm;
         BodyState after = before;
         stop_slip_by_impulse(model, pose, slip, after);
         const double speed = std::abs(slip) + 1000.0 * model.shape.radius();
@@ -28,7 +28,7 @@ TEST_CASE("impulse without collision: slip and nothing else, through the corner"
         // Angular momentum about the corner: J omega + m (height vx + lever vz).
         const auto momentum = [&](const BodyState& body) {
             return model.inertia * body.omega +
-                   model.mass * (pose.height * body.vx + pose.lever * body.vz);
+                   model.mass * (pose.height * body.vx + pose.lever_arm * body.vz);
         };
         CHECK(std::abs(momentum(after) - momentum(before)) <
               16.0 * kRounding * model.mass * model.shape.radius() * speed);

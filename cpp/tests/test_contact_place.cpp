@@ -38,10 +38,10 @@ TEST_CASE("contact place: nothing jumps at a knot, at zero or where a quadrant e
             constexpr double kNear = 1e-11;
             const PlaceShift a = model.place.at(theta - kNear), b = model.place.at(theta + kNear);
             const double rounding = 1e-9 * model.shape.radius();
-            CHECK(std::abs(a.lever - b.lever) < rounding);
+            CHECK(std::abs(a.lever_arm - b.lever_arm) < rounding);
             CHECK(std::abs(a.height - b.height) < rounding);
-            CHECK(std::abs(a.roll - b.roll) < rounding);
-            CHECK(std::abs(a.bend - b.bend) < 100.0 * rounding);
+            CHECK(std::abs(a.rolled_distance - b.rolled_distance) < rounding);
+            CHECK(std::abs(a.curvature_radius - b.curvature_radius) < 100.0 * rounding);
         }
         for (int quadrant = -4; quadrant < 4; ++quadrant) {
             const Pose end = model.pose(quadrant, kQuarterTurn),
@@ -49,8 +49,8 @@ TEST_CASE("contact place: nothing jumps at a knot, at zero or where a quadrant e
             const Face face = model.face(quadrant + 1);
             CHECK(end.height == doctest::Approx(next.height).epsilon(1e-12));
             CHECK(face.height == doctest::Approx(next.height).epsilon(1e-12));
-            CHECK(face.shift + face.half_base == doctest::Approx(next.lever).epsilon(1e-12));
-            CHECK(face.shift - face.half_base == doctest::Approx(end.lever).epsilon(1e-12));
+            CHECK(face.shift + face.half_base == doctest::Approx(next.lever_arm).epsilon(1e-12));
+            CHECK(face.shift - face.half_base == doctest::Approx(end.lever_arm).epsilon(1e-12));
         }
     }
 }
@@ -70,15 +70,16 @@ TEST_CASE("contact place: motions satisfy Newton's and Euler's equations") {
         const double m = model.mass, ww = omega * omega;
         // Accelerations of the centre of mass from the constraints z = h(theta), and vx = h omega
         // where it rolls.
-        const double bend = -pose.height + pose.bend;  // slope of the lever
+        const double bend = -pose.height + pose.curvature_radius;  // slope of the lever
         const auto check = [&](double alpha, double slip, const Reaction& reaction) {
-            const double ax = slip + alpha * pose.height + ww * pose.lever;
-            const double az = alpha * pose.lever + ww * bend;
+            const double ax = slip + alpha * pose.height + ww * pose.lever_arm;
+            const double az = alpha * pose.lever_arm + ww * bend;
             const double up = reaction.normal - load.contact_adhesion;
             const double force = m * (std::abs(ax) + std::abs(az)) + std::abs(up) + 1e-6;
             CHECK(std::abs(m * ax - load.fx - reaction.friction) < 1e-13 * force);
             CHECK(std::abs(m * az - load.fz - up) < 1e-13 * force);
-            const double torque = load.torque - pose.height * reaction.friction - pose.lever * up;
+            const double torque =
+                load.torque - pose.height * reaction.friction - pose.lever_arm * up;
             const double size = model.inertia * std::abs(alpha) + force * model.shape.radius();
             CHECK(std::abs(model.inertia * alpha - torque) < 1e-12 * size);
         };

@@ -23,7 +23,8 @@ TEST_CASE("pose: that of the C library but for rounding, in every quadrant and t
             const double tolerance = (4.0 + std::abs(angle)) * kRounding;
             CHECK(std::abs(pose.cosine - direct.cosine) < tolerance);
             CHECK(std::abs(pose.sine - direct.sine) < tolerance);
-            CHECK(std::abs(pose.lever - direct.lever) < 2.0 * tolerance * model.shape.radius());
+            CHECK(std::abs(pose.lever_arm - direct.lever_arm) <
+                  2.0 * tolerance * model.shape.radius());
             CHECK(std::abs(pose.height - direct.height) < 2.0 * tolerance * model.shape.radius());
             CHECK(pose.angle == angle);
         }

@@ -114,7 +114,7 @@ TEST_CASE("corner impact: restitution, Coulomb's cone, and no more than that") {
         const double small = impulse_tolerance(model);
         CHECK(normal > 0.0);
         // Both pass through the corner.
-        CHECK(std::abs(turning + pose.height * tangential + pose.lever * normal) <=
+        CHECK(std::abs(turning + pose.height * tangential + pose.lever_arm * normal) <=
               small * model.shape.radius());
         const double limit = model.friction.kinetic_coefficient * normal;
         CHECK(std::abs(tangential) <= limit + small);
@@ -283,7 +283,7 @@ TEST_CASE("corner impact: one that does not approach has arrived by rounding") {
     BodyState before;
     before.angle = 0.3;
     before.omega = 100.0;
-    before.vz = before.omega * pose.lever + 1e-12;
+    before.vz = before.omega * pose.lever_arm + 1e-12;
     before.vx = 0.02;
     const ImpactResult result = corner_impact(model, pose, before);
     CHECK(result.touch == Touch::corner);
@@ -313,7 +313,7 @@ TEST_CASE("impacts: what is captured below its least speed gains no energy") {
 
         CornerImpact corner(random, 1.3, random.between(0.0, 1.0));
         corner.before.vz =
-            corner.before.omega * corner.pose.lever + random.between(-kCapture, kCapture);
+            corner.before.omega * corner.pose.lever_arm + random.between(-kCapture, kCapture);
         const ImpactResult held = corner_impact(corner.model, corner.pose, corner.before);
         CHECK(held.touch == Touch::corner);
         CHECK(energy_ratio(corner.model, corner.before, held.body) <= 1.0 + kEnergyRounding);
@@ -336,7 +336,7 @@ TEST_CASE("stop impact: restitution, momentum, Coulomb's cone and energy, whatev
         if (lies) before.angle = before.omega = 0.0;
         const Pose pose = model.pose(before.quadrant, before.angle);
         if (touch != Touch::none) {
-            before.vz = lies ? 0.0 : before.omega * pose.lever;
+            before.vz = lies ? 0.0 : before.omega * pose.lever_arm;
             if (!slips) before.vx = before.omega * pose.height;
         }
         const double angle = random.between(-3.1, 3.1);
@@ -363,7 +363,7 @@ TEST_CASE("stop impact: restitution, momentum, Coulomb's cone and energy, whatev
             slips ? model.friction.kinetic_coefficient : model.friction.static_coefficient;
         CHECK(std::abs(tangential) <= mu * normal + small);
         if (!lies) {
-            const double moment = turning + pose.height * tangential + pose.lever * normal;
+            const double moment = turning + pose.height * tangential + pose.lever_arm * normal;
             CHECK(std::abs(moment) <= small * model.shape.radius());
         }
         const double energy = kinetic_energy(model, before) + 0.5 * inner * was * was;

@@ -73,10 +73,12 @@ TEST_CASE("flat robot, rear lands: the slip that is left, with the coefficients 
 
     // A front that was slipping has mu_k too, here another one each way: T = -way (1 + 0.3 way)
     // mu_k S.
-    model.laws =
-        LawSet({{{Quantity::friction_by_way, Acts::multiplies, Argument::way, Form::line}, 0.3}});
-    for (const double way : {-1.0, 1.0}) {
-        const double slip = way * 0.1, friction = -way * (1.0 + 0.3 * way) * mu_k * b;
+    model.laws = LawSet(
+        {{{Quantity::directional_friction, Acts::multiplies, Argument::slip_sign, Form::line},
+          0.3}});
+    for (const double slip_sign : {-1.0, 1.0}) {
+        const double slip = slip_sign * 0.1,
+                     friction = -slip_sign * (1.0 + 0.3 * slip_sign) * mu_k * b;
         const ImpactResult sliding =
             face_impact(model, rear_comes_down(omega, slip), Arrival::behind, true);
         const double left = slip + omega * (friction - h);

@@ -51,7 +51,7 @@ std::vector<Law> all_laws(Random& random) {
 /// A contact and a body in the units of the laws' scales, so that each law counts.
 struct Motion {
     int quadrant;
-    double angle, x, slip, vx, vz, omega, normal, way, time, age;
+    double angle, x, slip, vx, vz, omega, normal, slip_sign, time, age;
 };
 Motion random_motion(Random& random) {
     return {random.integer(-4, 4),     random.between(-3.0, 3.0), random.between(-2.0, 2.0),
@@ -63,8 +63,8 @@ Motion random_motion(Random& random) {
 double argument_of(const Law& law, const Motion& m) {
     const double theta = m.quadrant * kQuarterTurn + m.angle;
     switch (law.kind.argument) {
-        case Argument::way:
-            return m.way;
+        case Argument::slip_sign:
+            return m.slip_sign;
         case Argument::slip_speed:
             return std::abs(m.slip);
         case Argument::place:
@@ -136,8 +136,8 @@ Values values_of(const Model& model, const Motion& m) {
     const Load load = dynamics.load(dynamics.field_at(0.0), m.x, 0.0, pose, m.vx, m.vz, m.omega);
     const double rotational =
         (-load.torque / m.omega) - model.rotational_drag_quadratic * std::abs(m.omega);
-    return {dynamics.static_limit(m.way, m.x, pose, m.normal, 0.0),
-            dynamics.kinetic(m.way, m.slip, m.x, pose, m.normal, 0.0), load.contact_adhesion,
+    return {dynamics.static_limit(m.slip_sign, m.x, pose, m.normal, 0.0),
+            dynamics.kinetic(m.slip_sign, m.slip, m.x, pose, m.normal, 0.0), load.contact_adhesion,
             load.drag, rotational};
 }
 
@@ -150,7 +150,7 @@ void expect(const Law& law, const Motion& m, Values& v) {
         case Quantity::sliding_friction:
             return change(v.slips);
         case Quantity::friction:
-        case Quantity::friction_by_way:
+        case Quantity::directional_friction:
         case Quantity::friction_by_load:
             change(v.sticks);
             return change(v.slips);
@@ -239,7 +239,7 @@ TEST_CASE("laws: in a pack of others a run has the bits that it has alone") {
             const Motion m = random_motion(random);
             ats[u] = {
                 0.3,         {std::cos(m.angle), std::sin(m.angle), 0.0, 0.0, 0.0, 0.0, m.angle},
-                m.way,       m.slip * m.slip,
+                m.slip_sign, m.slip * m.slip,
                 m.x,         m.normal,
                 m.vx * m.vx, m.omega};
             nows[u] = {m.quadrant * kQuarterTurn, 0.6, 0.8, m.age, m.time};
@@ -250,7 +250,7 @@ TEST_CASE("laws: in a pack of others a run has the bits that it has alone") {
             at.pose.cosine.v[i] = from.pose.cosine;
             at.pose.sine.v[i] = from.pose.sine;
             at.pose.angle.v[i] = from.pose.angle;
-            at.way.v[i] = from.way;
+            at.slip_sign.v[i] = from.slip_sign;
             at.slip_speed.v[i] = from.slip_speed;
             at.place.v[i] = from.place;
             at.load.v[i] = from.load;

@@ -51,7 +51,7 @@ TEST_CASE("rectangle: the pivot of a quadrant is the lowest of the four corners,
         const Point& pivot = explicit_corners[corner_of(quadrant)];
         // The rounding of an angle of up to 16 rad times a radius of 135 um.
         const double tolerance = 16.0 * kRounding * shape.radius();
-        CHECK(std::abs(pose.lever - pivot.x) < tolerance);
+        CHECK(std::abs(pose.lever_arm - pivot.x) < tolerance);
         CHECK(std::abs(pose.height + pivot.z) < tolerance);
         for (const Point& corner : explicit_corners) CHECK(corner.z > -pose.height - tolerance);
     }
@@ -79,9 +79,9 @@ TEST_CASE("rectangle: the end of a quadrant and the beginning of the next are on
     for (int quadrant = -5; quadrant <= 5; ++quadrant) {
         const Pose end = shape.pose(quadrant, 0.0, 1.0);
         const Pose begin = shape.pose(quadrant + 1, 1.0, 0.0);
-        CHECK(end.height == begin.height);  // both touch: at one height, exactly
-        CHECK(end.lever == -begin.lever);   // the rear and the front end of the face
-        CHECK(begin.lever == shape.half_base(quadrant + 1));
+        CHECK(end.height == begin.height);         // both touch: at one height, exactly
+        CHECK(end.lever_arm == -begin.lever_arm);  // the rear and the front end of the face
+        CHECK(begin.lever_arm == shape.half_base(quadrant + 1));
         CHECK(begin.height == shape.half_rise(quadrant + 1));
     }
 }

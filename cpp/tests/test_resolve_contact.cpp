@@ -68,7 +68,7 @@ struct Draw {
             model.shape.pose(body.quadrant, std::cos(body.angle), std::sin(body.angle));
         body.z = pose.height;
         body.vx = slip_velocity + body.omega * pose.height;
-        body.vz = body.omega * pose.lever;
+        body.vz = body.omega * pose.lever_arm;
     }
 
     Dynamics dynamics() const {
@@ -125,9 +125,9 @@ void check_consistent(const Draw& draw, Dynamics& dynamics, Touch touch, const R
               0.0);
         // And flight is none: without a reaction the corner, which still adheres, would sink.
         std::array<Corner, 2> adhering = {};
-        adhering[0] = {pose.lever, -adhesion, 0.0};
+        adhering[0] = {pose.lever_arm, -adhesion, 0.0};
         const Acceleration free = accelerations(model, load, pose.height, 0.0, adhering);
-        CHECK(gap_acceleration(free, body.omega, pose.lever, pose.height) <=
+        CHECK(gap_acceleration(free, body.omega, pose.lever_arm, pose.height) <=
               8.0 * tolerance * per_mass);
         return;
     }
@@ -135,10 +135,10 @@ void check_consistent(const Draw& draw, Dynamics& dynamics, Touch touch, const R
         ++tally.flight;
         // What touched must not go into the surface once it is let go.
         const Acceleration free = accelerations(model, load, pose.height, 0.0, {});
-        CHECK(gap_acceleration(free, body.omega, pose.lever, pose.height) >=
+        CHECK(gap_acceleration(free, body.omega, pose.lever_arm, pose.height) >=
               -8.0 * tolerance * per_mass);
         if (touch == Touch::face) {
-            CHECK(gap_acceleration(free, body.omega, -pose.lever, pose.height) >=
+            CHECK(gap_acceleration(free, body.omega, -pose.lever_arm, pose.height) >=
                   -8.0 * tolerance * per_mass);
         }
         return;
@@ -155,16 +155,16 @@ void check_consistent(const Draw& draw, Dynamics& dynamics, Touch touch, const R
     if (found.mode.touch == Touch::face) {
         const FaceReaction reaction =
             face_reaction(model, found.quadrant, load, found.mode.slip == 0, coefficient);
-        corners[0] = {pose.lever, reaction.ahead, reaction.friction};
-        corners[1] = {-pose.lever, reaction.behind, 0.0};
+        corners[0] = {pose.lever_arm, reaction.ahead, reaction.friction};
+        corners[1] = {-pose.lever_arm, reaction.behind, 0.0};
     } else if (found.mode.slip == 0) {
         const CornerStick stick = corner_stick(dynamics.robot(), pose, body.omega, load);
-        corners[0] = {pose.lever, stick.reaction.normal, stick.reaction.friction};
+        corners[0] = {pose.lever_arm, stick.reaction.normal, stick.reaction.friction};
     } else {
         const CornerSlip slip = corner_slip(dynamics.robot(), pose, body.omega, load, coefficient);
         CHECK(slip.effective_inertia > 0.0);
         tolerance *= std::max(1.0, model.inertia / slip.effective_inertia);
-        corners[0] = {pose.lever, slip.normal, -coefficient * slip.normal};
+        corners[0] = {pose.lever_arm, slip.normal, -coefficient * slip.normal};
     }
     const double normal = corners[0].normal + corners[1].normal;
     const double friction = corners[0].friction;
@@ -178,8 +178,8 @@ void check_consistent(const Draw& draw, Dynamics& dynamics, Touch touch, const R
     corners[1].normal -= adhesion - share;
     const Acceleration a = accelerations(model, load, pose.height, 0.0, corners);
     const double small = 40.0 * tolerance * per_mass;
-    CHECK(std::abs(gap_acceleration(a, body.omega, pose.lever, pose.height)) <= small);
-    const double other = gap_acceleration(a, body.omega, -pose.lever, pose.height);
+    CHECK(std::abs(gap_acceleration(a, body.omega, pose.lever_arm, pose.height)) <= small);
+    const double other = gap_acceleration(a, body.omega, -pose.lever_arm, pose.height);
     if (found.mode.touch == Touch::face) {
         CHECK(std::abs(other) <= small);
     } else if (touch == Touch::face) {
@@ -187,7 +187,7 @@ void check_consistent(const Draw& draw, Dynamics& dynamics, Touch touch, const R
         CHECK(other >= -small);
     }
     const double slip_acceleration =
-        a.x - a.angular * pose.height - body.omega * body.omega * pose.lever;
+        a.x - a.angular * pose.height - body.omega * body.omega * pose.lever_arm;
     if (found.mode.slip == 0) {
         CHECK(std::abs(slip_acceleration) <= small);
     } else if (draw.slip_velocity == 0.0) {

@@ -76,7 +76,7 @@ TEST_CASE("voltage program: repeats do not grow it") {
     CHECK(program.duration() == 0.5e12);
 }
 
-TEST_CASE("voltage program: what cannot be played is refused, with its block") {
+TEST_CASE("voltage program: what cannot be played is refused, with its point") {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const double infinite = std::numeric_limits<double>::infinity();
     const VoltageBlock good{{point(0.0, 0.0), point(1.0, 1.0)}, 1};
@@ -84,10 +84,9 @@ TEST_CASE("voltage program: what cannot be played is refused, with its block") {
 
     CHECK_THROWS_WITH_AS(VoltageProgram(std::vector<VoltageBlock>{}),
                          "the voltage program is empty", std::invalid_argument);
-    CHECK_THROWS_WITH_AS(build({{point(0.0, 0.0)}, 1}),
-                         "voltage block 2: needs at least two points", std::invalid_argument);
-    CHECK_THROWS_WITH_AS(build({good.points, 0}),
-                         "voltage block 2: repeats = 0, allowed is 1 or more",
+    CHECK_THROWS_WITH_AS(build({{point(0.0, 0.0)}, 1}), "voltages: allowed are two points or more",
+                         std::invalid_argument);
+    CHECK_THROWS_WITH_AS(build({good.points, 0}), "repeats: allowed is 1 or more",
                          std::invalid_argument);
     CHECK_THROWS_AS(build({{point(0.1, 0.0), point(1.0, 0.0)}, 1}), std::invalid_argument);
     CHECK_THROWS_AS(build({{point(0.0, 0.0), point(1.0, 0.0), point(0.9, 0.0)}, 1}),
@@ -95,6 +94,7 @@ TEST_CASE("voltage program: what cannot be played is refused, with its block") {
     CHECK_THROWS_AS(build({{point(0.0, 0.0), point(infinite, 0.0)}, 1}), std::invalid_argument);
     CHECK_THROWS_AS(build({{point(0.0, 0.0), point(1.0, nan)}, 1}), std::invalid_argument);
     CHECK_THROWS_WITH_AS(build({{point(0.0, 0.0), point(0.0, 1.0)}, 1}),
-                         "voltage block 2: has no duration", std::invalid_argument);
+                         "point 2: t = 0: no duration; allowed is above 0 s",
+                         std::invalid_argument);
     CHECK_NOTHROW(build(good));
 }

@@ -12,7 +12,7 @@ from stickslip import Drive, Scenario, ScenarioError, optimise, simulate
 from stickslip._util.prior import Prior
 from stickslip.control import Camera, Film, Path, follow, heading_voltages
 from stickslip.control.environments import RobotEnv, RobotVectorEnv
-from stickslip.design.space import drive_waveform
+from stickslip.scenario.waveform import drive_waveform
 
 START = Scenario(drive=Drive(base=0.5e-3, pulses=6, ramp=0.02))
 UNCERTAIN = START.with_uncertain({"contact.adhesion": {"mean": 0.22e-6, "sd": 0.03e-6}})

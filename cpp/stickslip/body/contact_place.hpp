@@ -11,15 +11,15 @@ namespace stickslip {
 
 /// What a contact place adds to a pose, in m; see `ContactPlace`.
 struct PlaceShift {
-    double lever = 0.0, height = 0.0;  ///< of the pivot from the centre of mass
-    double roll = 0.0;                 ///< of the pivot from the point that stays where it sticks
-    double bend = 0.0;                 ///< radius of curvature of what touches
+    double lever_arm = 0.0, height = 0.0;  ///< of the pivot from the centre of mass
+    double rolled_distance = 0.0;   ///< of the pivot from the point that stays where it sticks
+    double curvature_radius = 0.0;  ///< radius of curvature of what touches
 };
 
 /// A contact that does not lie where the rectangle has its corner, effect `free_contact_place`: at
 /// the tilt theta it lies c(theta) cos theta farther along the surface, with c = half length times
 /// a free curve. Whatever touches a plane has a height h(theta) of the centre of mass, and its
-/// lever is dh/dtheta, since the point that touches has no normal velocity. So h grows by the
+/// lever arm is dh/dtheta, since the point that touches has no normal velocity. So h grows by the
 /// integral g of c cos theta, which is zero at theta = 0. A contact that does not slip rolls: dx =
 /// h dtheta; its place on the surface advances by rho dtheta, with rho = g + d(c cos theta)/dtheta
 /// the radius of curvature. A constant c is a corner that lies so much farther to the front, with

@@ -21,7 +21,7 @@ std::size_t numbers_of(Form form) {
 
 double largest_of(Argument argument) {
     switch (argument) {
-        case Argument::way:
+        case Argument::slip_sign:
         case Argument::sine:
         case Argument::cosine:
             return 1.0;
@@ -83,7 +83,7 @@ bool exists(const LawKind& kind) {
     // Force and torque have two units.
     if (kind.quantity == Quantity::fluid && kind.acts == Acts::adds) return false;
     // Impacts and slip along a vector interpolate between the two ways.
-    if (kind.argument == Argument::way && kind.form != Form::line) return false;
+    if (kind.argument == Argument::slip_sign && kind.form != Form::line) return false;
     // In an impact it is infinite.
     return kind.argument != Argument::load || is_bounded(kind.form);
 }
@@ -92,8 +92,8 @@ bool exists(const LawKind& kind) {
 
 bool has_argument(Quantity quantity, Argument argument) {
     switch (argument) {
-        case Argument::way:
-            return quantity == Quantity::friction_by_way;
+        case Argument::slip_sign:
+            return quantity == Quantity::directional_friction;
         case Argument::load:
             return quantity == Quantity::friction_by_load;
         // Friction that sticks has none; over all else static friction changes too.

@@ -23,9 +23,9 @@ namespace stickslip {
 
 /// In this order laws are applied; those that are asked for together stand together.
 enum class Quantity : unsigned char {
-    sliding_friction,  ///< the kinetic coefficient
-    friction,          ///< both coefficients
-    friction_by_way,   ///< the same, by laws of the way, so that both ways share the others
+    sliding_friction,      ///< the kinetic coefficient
+    friction,              ///< both coefficients
+    directional_friction,  ///< the same, by laws of the slip's sign, which share the others
     friction_by_load,  ///< the same, by laws of the load, which depends on the coefficient itself
     adhesion,          ///< N
     drag,              ///< N s/m, force of the fluid over the velocity
@@ -35,7 +35,7 @@ enum class Quantity : unsigned char {
 inline constexpr std::size_t kQuantities = 8;
 
 enum class Argument : unsigned char {
-    way,         ///< +1 for slip to the robot's front, -1 to its rear
+    slip_sign,   ///< +1 for slip to the robot's front, -1 to its rear
     slip_speed,  ///< m/s
     place,       ///< m, of the contact along the surface
     tilt,        ///< rad, -pi to pi
@@ -104,7 +104,7 @@ inline constexpr std::array<LawKind, 8> kNamedKinds = {{
     {Quantity::sliding_friction, Acts::adds, Argument::slip_speed, Form::line},
     {Quantity::sliding_friction, Acts::adds, Argument::slip_speed, Form::gaussian},
     {Quantity::friction, Acts::multiplies, Argument::place, Form::wave},
-    {Quantity::friction_by_way, Acts::multiplies, Argument::way, Form::line},
+    {Quantity::directional_friction, Acts::multiplies, Argument::slip_sign, Form::line},
     {Quantity::adhesion, Acts::multiplies, Argument::sine, Form::square},
     {Quantity::adhesion, Acts::multiplies, Argument::age, Form::logarithm},
     {Quantity::drag, Acts::adds, Argument::cosine, Form::square},
@@ -191,14 +191,14 @@ template <class Real>
 struct LawInput {
     Real tau = 0.0;  ///< s, in the segment
     PoseOf<Real> pose = {};
-    Real way = 0.0, slip_speed = 0.0, place = 0.0, load = 0.0;
+    Real slip_sign = 0.0, slip_speed = 0.0, place = 0.0, load = 0.0;
     Real speed_squared = 0.0, rate = 0.0;
 
     [[gnu::always_inline]] Real at(Argument argument, const LawMoment<Real>& now) const {
         constexpr double kTurn = 4.0 * kQuarterTurn;
         switch (argument) {
-            case Argument::way:
-                return way;
+            case Argument::slip_sign:
+                return slip_sign;
             case Argument::slip_speed:
                 return slip_speed;
             case Argument::place:
@@ -326,28 +326,30 @@ public:
     }
 
     /// The coefficient of a contact at x (m) that sticks, but for the way and the load.
-    [[gnu::always_inline]] Real sticking(Real coefficient, Real x, const PoseOf<Real>& pose,
-                                         Real tau) const {
+    [[gnu::always_inline]] Real static_coefficient(Real coefficient, Real x,
+                                                   const PoseOf<Real>& pose, Real tau) const {
         return friction<Quantity::friction>(coefficient, {.tau = tau, .pose = pose, .place = x});
     }
     /// That of one that slips, but for the load.
-    [[gnu::always_inline]] Real slipping(Real coefficient, Real way, Real slip_velocity, Real x,
-                                         const PoseOf<Real>& pose, Real tau) const {
+    [[gnu::always_inline]] Real kinetic_coefficient(Real coefficient, Real slip_sign,
+                                                    Real slip_velocity, Real x,
+                                                    const PoseOf<Real>& pose, Real tau) const {
         const Real alone = friction<Quantity::sliding_friction, Quantity::friction>(
             coefficient,
             {.tau = tau, .pose = pose, .slip_speed = magnitude(slip_velocity), .place = x});
-        return leaning(alone, way);
+        return directional(alone, slip_sign);
     }
     /// Laws of the way have one form, so that they need not be apart.
-    [[gnu::always_inline]] Real leaning(Real coefficient, Real way) const {
-        constexpr Quantity kByWay = Quantity::friction_by_way;
-        for (std::size_t i = begin<kByWay>(); i < end<kByWay>(); ++i) {
-            const LawKind kind = {kByWay, table_.kinds[i].acts, Argument::way, Form::line};
-            apply_law(kind, numbers_ + table_.place[i], now_, {.way = way}, &coefficient);
+    [[gnu::always_inline]] Real directional(Real coefficient, Real slip_sign) const {
+        constexpr Quantity kSigned = Quantity::directional_friction;
+        const LawInput<Real> at = {.slip_sign = slip_sign};
+        for (std::size_t i = begin<kSigned>(); i < end<kSigned>(); ++i) {
+            const LawKind kind = {kSigned, table_.kinds[i].acts, Argument::slip_sign, Form::line};
+            apply_law(kind, numbers_ + table_.place[i], now_, at, &coefficient);
         }
         return coefficient;
     }
-    [[gnu::always_inline]] Real pressed(Real coefficient, Real normal) const {
+    [[gnu::always_inline]] Real load_dependent(Real coefficient, Real normal) const {
         return friction<Quantity::friction_by_load>(coefficient, {.load = normal});
     }
 

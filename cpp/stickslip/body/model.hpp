@@ -24,14 +24,14 @@ struct Friction {
 
 /// A face that lies on the surface, from the centre of mass.
 struct Face {
-    double half_base = 0.0;  ///< m
-    double shift = 0.0;      ///< m, of its middle, to +x
-    double height = 0.0;     ///< m, of the centre of mass above it
-    double roll = 0.0;       ///< m, as of the pose of its end
+    double half_base = 0.0;        ///< m
+    double shift = 0.0;            ///< m, of its middle, to +x
+    double height = 0.0;           ///< m, of the centre of mass above it
+    double rolled_distance = 0.0;  ///< m, as of the pose of its end
 
     /// m, of its end ahead, to +x of the centre of mass, and of what stays there while it sticks.
     double end() const { return half_base + shift; }
-    double place() const { return end() - roll; }
+    double place() const { return end() - rolled_distance; }
 };
 
 /// The mechanical constants of one simulation, in the robot's own frame (its x axis points the way
@@ -95,15 +95,15 @@ struct Model {
         pose.angle = angle;
         if (place.absent()) return;
         const PlaceShift shift = place.at(quadrant * kQuarterTurn + angle);
-        pose.lever += shift.lever;
+        pose.lever_arm += shift.lever_arm;
         pose.height += shift.height;
-        pose.roll = shift.roll;
-        pose.bend = shift.bend;
+        pose.rolled_distance = shift.rolled_distance;
+        pose.curvature_radius = shift.curvature_radius;
     }
     Face face(int quadrant) const {
         const PlaceShift shift = place.at(quadrant * kQuarterTurn);
-        return {shape.half_base(quadrant), shift.lever, shape.half_rise(quadrant) + shift.height,
-                shift.roll};
+        return {shape.half_base(quadrant), shift.lever_arm,
+                shape.half_rise(quadrant) + shift.height, shift.rolled_distance};
     }
 };
 

@@ -7,21 +7,21 @@ namespace stickslip {
 
 inline constexpr double kQuarterTurn = std::numbers::pi / 2;
 
-/// Where the pivot corner lies under the centre of mass. The pivot is at (+lever, -height) from it.
+/// Where the pivot corner lies under the centre of mass: at (+lever_arm, -height) from it.
 template <class Real>
 struct PoseOf {
     Real cosine = 1.0;  ///< cos of the local angle
     Real sine = 0.0;
-    Real lever = 0.0;   ///< m, horizontal distance from the centre of mass to the pivot, signed
-    Real height = 0.0;  ///< m, height of the centre of mass above the pivot
+    Real lever_arm = 0.0;  ///< m, horizontal distance from the centre of mass to the pivot, signed
+    Real height = 0.0;     ///< m, height of the centre of mass above the pivot
     // Zero where the pivot is the rectangle's corner; see ContactPlace.
-    Real roll = 0.0;   ///< m, of the pivot from the point that stays where it is while it sticks
-    Real bend = 0.0;   ///< m, radius of curvature of what touches
-    Real angle = 0.0;  ///< rad, within the quadrant
+    Real rolled_distance = 0.0;   ///< m, of the pivot from the point that stays while it sticks
+    Real curvature_radius = 0.0;  ///< m, radius of curvature of what touches
+    Real angle = 0.0;             ///< rad, within the quadrant
 
     /// m, from the centre of mass along the surface to the point that stays where it is while the
     /// pivot sticks, ahead positive.
-    [[gnu::always_inline]] Real place() const { return lever - roll; }
+    [[gnu::always_inline]] Real place() const { return lever_arm - rolled_distance; }
 };
 using Pose = PoseOf<double>;
 
@@ -31,8 +31,8 @@ using Pose = PoseOf<double>;
 /// [0, pi/2], and the lowest corner is q (mod 4): 0 front bottom, 1 front top, 2 rear top, 3 rear
 /// bottom. Quadrants make tumbling the same problem four times, with length and height exchanged in
 /// the odd ones, and put every face that can land at local = 0 or pi/2, exactly. In quadrant 0 the
-/// pivot is the paper's (P_x, P_z), Eqs. (13)-(14), with lever = r cos(theta + phi) and height =
-/// r sin(theta + phi).
+/// pivot is the paper's (P_x, P_z), Eqs. (13)-(14), with lever_arm = r cos(theta + phi) and height
+/// = r sin(theta + phi).
 class Rectangle {
 public:
     /// length along the moment and height, in m.

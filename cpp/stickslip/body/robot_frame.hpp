@@ -13,10 +13,15 @@ struct RobotFrame {
     /// the plane y = 0.
     double sign = 1.0;
 
-    /// Voltages, currents or a program as the robot sees them, or those of the robot in the world.
+    /// Voltages, currents or a program of the world as the robot sees them.
     template <class T>
-    T seen(const T& of_world) const {
+    T to_robot(const T& of_world) const {
         return sign > 0.0 ? of_world : turned(of_world);
+    }
+    /// Those of the robot in the world: half a turn is undone by another.
+    template <class T>
+    T to_world(const T& of_robot) const {
+        return to_robot(of_robot);
     }
 };
 

@@ -27,9 +27,8 @@ public:
         });
         const double normal = stick.reaction.normal;
         if (onset == 0 && normal >= 0.0) {
-            const double way = frame_.against(friction).along;
-            const double limit =
-                dynamics_.static_limit(way, contact_x(), pose_, normal, tau_) * normal;
+            const double limit = normal * dynamics_.static_limit(frame_.against(friction).along,
+                                                                 contact_x(), pose_, normal, tau_);
             if (friction.size() <= limit) return {{Touch::corner, 0}, quadrant};
         }
         if (frame_.has_begun(slip)) return sliding(slip);
@@ -49,23 +48,24 @@ public:
         const double normal = reaction.normal();
         bool slips = !frame_.is_slow(slip) || onset != 0;
         if (!slips) {
-            const double way = frame_.against(friction).along;
-            const double limit = dynamics_.static_limit(way, body_.x, pose_, normal, tau_) * normal;
+            const double limit = normal * dynamics_.static_limit(frame_.against(friction).along,
+                                                                 body_.x, pose_, normal, tau_);
             slips = friction.size() > limit;
         }
         int mark = 0;
         if (slips) {
             slip = frame_.begun(slip, frame_.against(friction));
-            const Vector way = frame_.way_of(slip, friction, onset);
+            const Vector direction = frame_.direction_of(slip, friction, onset);
             dynamics_.move_with(tau_, pose_, [&] {
                 const Load load = this->load(0.0, 0.0);
                 const double pressing = load.contact_adhesion - load.fz;
                 const double coefficient =
-                    dynamics_.kinetic(way.along, slip.size(), body_.x, pose_, pressing, tau_);
-                reaction = face_reaction(model, quadrant, load, false, way.along * coefficient);
+                    dynamics_.kinetic(direction.along, slip.size(), body_.x, pose_, pressing, tau_);
+                const double along = direction.along * coefficient;
+                reaction = face_reaction(model, quadrant, load, false, along);
                 return std::array{(load.fx + reaction.friction) * dynamics_.robot().per_mass, 0.0};
             });
-            mark = frame_.mark(way);
+            mark = frame_.mark(direction);
         } else {
             slip = {};
         }
@@ -81,7 +81,7 @@ public:
 private:
     Vector velocity() const { return frame_.vector({body_.vx, body_.vy}); }
     typename Frame::Place place() const { return frame_.place(body_.x, body_.y); }
-    double contact_x() const { return frame_.moved(place(), seen_.heading, pose_.lever)[0]; }
+    double contact_x() const { return frame_.moved(place(), seen_.heading, pose_.lever_arm)[0]; }
 
     void look_at(int quadrant, double angle) {
         dynamics_.set_quadrant(quadrant);
@@ -106,20 +106,20 @@ private:
         });
     }
 
-    // At `speed` (m/s) the way that is `way`.
+    // At `speed` (m/s) the way that is `direction`.
     struct Slipping {
         CornerSlip motion;
         double across;  // m/s^2
     };
-    Slipping slipping(const Vector& way, double speed) {
+    Slipping slipping(const Vector& direction, double speed) {
         Slipping result;
         move_corner([&](const Load& load) {
-            const double coefficient = dynamics_.corner_kinetic(way.along, speed, contact_x(),
+            const double coefficient = dynamics_.corner_kinetic(direction.along, speed, contact_x(),
                                                                 pose_, body_.omega, load, tau_);
-            const CornerSlip motion =
-                corner_slip(dynamics_.robot(), pose_, body_.omega, load, way.along * coefficient);
-            const double across = frame_.across(load) - way.across * coefficient * motion.normal;
-            result = {motion, across * dynamics_.robot().per_mass};
+            const CornerSlip motion = corner_slip(dynamics_.robot(), pose_, body_.omega, load,
+                                                  direction.along * coefficient);
+            const double friction = direction.across * coefficient * motion.normal;
+            result = {motion, (frame_.across(load) - friction) * dynamics_.robot().per_mass};
             return MovingCorner{motion.slip_acceleration, motion.angular_acceleration};
         });
         return result;
@@ -127,8 +127,8 @@ private:
 
     Resolution sliding(const Vector& slip) {
         const int quadrant = dynamics_.quadrant();
-        const Vector way = frame_.way_of(slip, {}, 0);
-        const CornerSlip motion = slipping(way, slip.size()).motion;
+        const Vector direction = frame_.direction_of(slip, {}, 0);
+        const CornerSlip motion = slipping(direction, slip.size()).motion;
         if (motion.effective_inertia <= 0.0) {
             // A reaction that lifts presses here: the formula's N is positive where the free corner
             // rises (flight is consistent) and negative where nothing is, and the slip jams.
@@ -137,7 +137,7 @@ private:
             return {{touch, 0}, quadrant, !rises, frame_.slip(slip)};
         }
         if (motion.normal < 0.0) return {{Touch::none, 0}, quadrant, false, frame_.slip(slip)};
-        return {{Touch::corner, frame_.mark(way)}, quadrant, false, frame_.slip(slip)};
+        return {{Touch::corner, frame_.mark(direction)}, quadrant, false, frame_.slip(slip)};
     }
 
     // At rest but not able to stick. Without a sliding solution that has a positive effective
@@ -146,17 +146,17 @@ private:
     // stable.
     Resolution breaking_loose(const Vector& friction, int onset) {
         const int quadrant = dynamics_.quadrant();
-        const auto acceleration = [&](const Vector& way) {
-            const auto [motion, across] = slipping(way, 0.0);
+        const auto acceleration = [&](const Vector& direction) {
+            const auto [motion, across] = slipping(direction, 0.0);
             return frame_.vector(motion.slip_acceleration, across);
         };
-        const Vector way = frame_.way_to_slip(friction, onset, acceleration);
-        const CornerSlip motion = slipping(way, 0.0).motion;
+        const Vector direction = frame_.direction_to_slip(friction, onset, acceleration);
+        const CornerSlip motion = slipping(direction, 0.0).motion;
         if (motion.effective_inertia <= 0.0 || motion.normal < 0.0) {
             return {{Touch::none, 0}, quadrant};
         }
-        return {
-            {Touch::corner, frame_.mark(way)}, quadrant, false, frame_.slip(frame_.begun({}, way))};
+        const Vector slip = frame_.begun({}, direction);
+        return {{Touch::corner, frame_.mark(direction)}, quadrant, false, frame_.slip(slip)};
     }
 
     const Frame& frame_;
@@ -196,7 +196,7 @@ void stop_slip_by_impulse(const Model& model, const Pose& pose, double slip_velo
     body.omega += model.mass * pose.height * slip_velocity / inertia;
     body.vx = body.omega * pose.height;
     body.vy = 0.0;
-    body.vz = body.omega * pose.lever;
+    body.vz = body.omega * pose.lever_arm;
 }
 
 }  // namespace stickslip

@@ -77,7 +77,7 @@ using CornerStick = CornerStickOf<double>;
 template <class Real>
 [[gnu::always_inline]] inline Real moment_about_corner(const PoseOf<Real>& pose,
                                                        const LoadOf<Real>& load) {
-    return load.torque + fma(pose.height, load.fx, pose.lever * load.fz);
+    return load.torque + fma(pose.height, load.fx, pose.lever_arm * load.fz);
 }
 
 /// Reaction at a corner that stays where it is while the body turns about it, alpha in rad/s^2. The
@@ -88,8 +88,8 @@ template <class Real>
                                                               Real alpha,
                                                               const LoadOf<Real>& load) {
     const Real ww = omega * omega;
-    const Real ax = fma(alpha, pose.height, ww * pose.lever);
-    const Real az = fnma(ww, pose.height - pose.bend, alpha * pose.lever);
+    const Real ax = fma(alpha, pose.height, ww * pose.lever_arm);
+    const Real az = fnma(ww, pose.height - pose.curvature_radius, alpha * pose.lever_arm);
     return {fma(robot.mass, az, load.contact_adhesion - load.fz), fma(robot.mass, ax, -load.fx)};
 }
 
@@ -98,13 +98,13 @@ template <class Real>
 inline std::array<double, 2> centre_acceleration(const Pose& pose, double slip, double omega,
                                                  double alpha) {
     const double ww = omega * omega;
-    return {slip + alpha * pose.height + ww * pose.lever,
-            alpha * pose.lever - ww * (pose.height - pose.bend)};
+    return {slip + alpha * pose.height + ww * pose.lever_arm,
+            alpha * pose.lever_arm - ww * (pose.height - pose.curvature_radius)};
 }
 
 /// Inertia about the point that touches, kg m^2.
 inline double pivot_inertia(double inertia, double mass, const Pose& pose) {
-    return inertia + mass * (pose.lever * pose.lever + pose.height * pose.height);
+    return inertia + mass * (pose.lever_arm * pose.lever_arm + pose.height * pose.height);
 }
 
 /// Angular acceleration (rad/s^2) of a contact that does not slip: of one that rolls too, whose
@@ -115,9 +115,10 @@ template <class Real>
                                                       const LoadOf<Real>& load) {
     const Real moment = moment_about_corner(pose, load);
     if constexpr (std::is_same_v<Real, double>) {
-        if (pose.roll != 0.0 || pose.bend != 0.0) {
-            const double turning = robot.mass * pose.lever * pose.bend * omega * omega;
-            return (moment - turning) / pivot_inertia(robot.inertia, robot.mass, pose);
+        if (pose.rolled_distance != 0.0 || pose.curvature_radius != 0.0) {
+            const double extra =
+                robot.mass * pose.lever_arm * pose.curvature_radius * omega * omega;
+            return (moment - extra) / pivot_inertia(robot.inertia, robot.mass, pose);
         }
     }
     return moment * robot.per_corner_inertia;
@@ -148,7 +149,8 @@ using CornerSlip = CornerSlipOf<double>;
 template <class Real>
 inline Real painleve_inertia(const PlainDynamics<Real>& robot, const PoseOf<Real>& pose,
                              Real coefficient) {
-    return fma(robot.mass * pose.lever, fnma(coefficient, pose.height, pose.lever), robot.inertia);
+    return fma(robot.mass * pose.lever_arm, fnma(coefficient, pose.height, pose.lever_arm),
+               robot.inertia);
 }
 
 template <class Real>
@@ -158,14 +160,15 @@ template <class Real>
                                                              Real coefficient) {
     const Real ww = omega * omega;
     const Real adhesion = load.contact_adhesion;
-    const Real arm = fnma(coefficient, pose.height, pose.lever);
+    const Real arm = fnma(coefficient, pose.height, pose.lever_arm);
     const Real effective = painleve_inertia(robot, pose, coefficient);
-    const Real rest = fnma(robot.mass * ww, pose.height - pose.bend, adhesion - load.fz);
+    const Real rest =
+        fnma(robot.mass * ww, pose.height - pose.curvature_radius, adhesion - load.fz);
     const Real per_effective = 1.0 / effective;  // computed while the load is on its way
-    const Real alpha = (load.torque + fnma(arm, rest, pose.lever * adhesion)) * per_effective;
-    const Real normal = fma(robot.mass * pose.lever, alpha, rest);
+    const Real alpha = (load.torque + fnma(arm, rest, pose.lever_arm * adhesion)) * per_effective;
+    const Real normal = fma(robot.mass * pose.lever_arm, alpha, rest);
     const Real ax = fnma(coefficient, normal, load.fx) * robot.per_mass;
-    return {alpha, fnma(ww, pose.lever, fnma(alpha, pose.height, ax)), normal, effective,
+    return {alpha, fnma(ww, pose.lever_arm, fnma(alpha, pose.height, ax)), normal, effective,
             coefficient};
 }
 
@@ -218,7 +221,7 @@ inline double corner_velocity_x(const Pose& pose, double vx, double omega) {
 }
 /// Pivot-corner velocity along z, m/s.
 inline double corner_velocity_z(const Pose& pose, double vz, double omega) {
-    return vz - omega * pose.lever;
+    return vz - omega * pose.lever_arm;
 }
 
 }  // namespace stickslip

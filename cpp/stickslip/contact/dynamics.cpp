@@ -44,19 +44,21 @@ void Dynamics::set_quadrant(int quadrant) {
     robot_.half_base = m.shape.half_base(quadrant);
     robot_.half_rise = m.shape.half_rise(quadrant);
     const Pose middle = m.shape.pose(quadrant, std::sqrt(0.5), std::sqrt(0.5));
-    robot_.middle_lever = middle.lever;
+    robot_.middle_lever = middle.lever_arm;
     robot_.middle_height = middle.height;
     robot_.moment_cosine = m.moment * (turn.cosine * c - turn.sine * s);
     robot_.moment_sine = m.moment * (turn.sine * c + turn.cosine * s);
 }
 
-double Dynamics::lawful_sticking(double x, const Pose& pose, double normal, double tau) const {
-    return laws().pressed(laws().sticking(robot_.static_friction, x, pose, tau), normal);
+double Dynamics::lawful_static(double x, const Pose& pose, double normal, double tau) const {
+    const double free = laws().static_coefficient(robot_.static_friction, x, pose, tau);
+    return laws().load_dependent(free, normal);
 }
 
-double Dynamics::slipping(double way, double slip_velocity, double x, const Pose& pose,
-                          double tau) const {
-    return laws().slipping(robot_.kinetic_friction, way, slip_velocity, x, pose, tau);
+double Dynamics::kinetic_coefficient(double slip_sign, double slip_velocity, double x,
+                                     const Pose& pose, double tau) const {
+    return laws().kinetic_coefficient(robot_.kinetic_friction, slip_sign, slip_velocity, x, pose,
+                                      tau);
 }
 
 Load Dynamics::extended_load(const PlanarField& field, double tau, double x, double z,
@@ -113,16 +115,16 @@ double Dynamics::inner_acceleration(double tau, const Pose& pose, double ax, dou
 // zero is followed by secants between bounds that close in on it. Where there is none the sliding
 // has no solution, which `corner_slip` finds for the coefficient of the largest loads. Only a law
 // so steep that C (N mu(N))' exceeds B has more than one.
-double Dynamics::pressed_kinetic(double coefficient, double way, const Pose& pose, double omega,
-                                 const Load& load) const {
+double Dynamics::load_dependent_kinetic(double coefficient, double slip_sign, const Pose& pose,
+                                        double omega, const Load& load) const {
     const PlainDynamics<double>& r = robot_;
-    const auto mu = [&](double normal) { return laws().pressed(coefficient, normal); };
+    const auto mu = [&](double normal) { return laws().load_dependent(coefficient, normal); };
+    const double lever = pose.lever_arm, adhesion = load.contact_adhesion;
     const double rest =
-        load.contact_adhesion - r.mass * omega * omega * (pose.height - pose.bend) - load.fz;
-    const double a =
-        r.mass * pose.lever * (load.torque + pose.lever * load.contact_adhesion) + r.inertia * rest;
-    const double b = r.inertia + r.mass * pose.lever * pose.lever;
-    const double c = way * r.mass * pose.lever * pose.height;
+        adhesion - r.mass * omega * omega * (pose.height - pose.curvature_radius) - load.fz;
+    const double a = r.mass * lever * (load.torque + lever * adhesion) + r.inertia * rest;
+    const double b = r.inertia + r.mass * lever * lever;
+    const double c = slip_sign * r.mass * lever * pose.height;
     if (!(a > 0.0)) return mu(0.0);
     const auto residual = [&](double normal) { return normal * (b - c * mu(normal)) - a; };
     constexpr int kMostRises = 100, kMostIterations = 100;

@@ -204,31 +204,33 @@ public:
 
     /// Coefficient up to which a contact sticks that presses with `normal` N at x (m); `tau`: s,
     /// in the segment.
-    double static_limit(double way, double x, const Pose& pose, double normal, double tau) const {
-        return leaning(sticking(x, pose, normal, tau), way);
+    double static_limit(double slip_sign, double x, const Pose& pose, double normal,
+                        double tau) const {
+        return directional(static_coefficient(x, pose, normal, tau), slip_sign);
     }
     /// The same in two parts, of which the first is for both ways.
-    double sticking(double x, const Pose& pose, double normal, double tau) const {
+    double static_coefficient(double x, const Pose& pose, double normal, double tau) const {
         if (has_no_law_) return robot_.static_friction;
-        return lawful_sticking(x, pose, normal, tau);
+        return lawful_static(x, pose, normal, tau);
     }
-    double leaning(double coefficient, double way) const {
-        return has_no_law_ ? coefficient : laws().leaning(coefficient, way);
+    double directional(double coefficient, double slip_sign) const {
+        return has_no_law_ ? coefficient : laws().directional(coefficient, slip_sign);
     }
     /// The same of one that slips at `slip_velocity` (m/s).
-    double kinetic(double way, double slip_velocity, double x, const Pose& pose, double normal,
-                   double tau) const {
+    double kinetic(double slip_sign, double slip_velocity, double x, const Pose& pose,
+                   double normal, double tau) const {
         if (has_no_law_) return robot_.kinetic_friction;
-        return laws().pressed(slipping(way, slip_velocity, x, pose, tau), normal);
+        return laws().load_dependent(kinetic_coefficient(slip_sign, slip_velocity, x, pose, tau),
+                                     normal);
     }
     /// The same of a corner that slips under `load`, whose normal force follows from the
     /// coefficient itself.
-    double corner_kinetic(double way, double slip_velocity, double x, const Pose& pose,
+    double corner_kinetic(double slip_sign, double slip_velocity, double x, const Pose& pose,
                           double omega, const Load& load, double tau) const {
         if (has_no_law_) return robot_.kinetic_friction;
-        const double coefficient = slipping(way, slip_velocity, x, pose, tau);
+        const double coefficient = kinetic_coefficient(slip_sign, slip_velocity, x, pose, tau);
         if (!model_->laws.has(Quantity::friction_by_load)) return coefficient;
-        return pressed_kinetic(coefficient, way, pose, omega, load);
+        return load_dependent_kinetic(coefficient, slip_sign, pose, omega, load);
     }
 
     /// Forces of everything but the reaction of touching corners.
@@ -248,10 +250,11 @@ public:
 private:
     Laws<double> laws() const { return {model_->laws.table(), model_->laws.numbers(), now_}; }
     // Apart, so that a model without laws pays one test.
-    double lawful_sticking(double x, const Pose& pose, double normal, double tau) const;
-    double slipping(double way, double slip_velocity, double x, const Pose& pose, double tau) const;
-    double pressed_kinetic(double coefficient, double way, const Pose& pose, double omega,
-                           const Load& load) const;
+    double lawful_static(double x, const Pose& pose, double normal, double tau) const;
+    double kinetic_coefficient(double slip_sign, double slip_velocity, double x, const Pose& pose,
+                               double tau) const;
+    double load_dependent_kinetic(double coefficient, double slip_sign, const Pose& pose,
+                                  double omega, const Load& load) const;
     Load extended_load(const PlanarField& field, double tau, double x, double z, const Pose& pose,
                        double vx, double vz, double omega, double across) const;
     // What a user's effects add; throws WrenchNotFinite.

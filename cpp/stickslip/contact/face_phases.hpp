@@ -109,16 +109,16 @@ private:
     Motion solve(const Field& field, const State& y) const {
         const Pose pose = dynamics().pose(0.0);
         const auto seen = Base::seen_there(field, y);
-        const Vector way = slide_.way(seen.heading, slip(y));
+        const Vector direction = slide_.direction(seen.heading, slip(y));
         const Vector slipping = frame_.in_plane(seen.heading, slip(y));
         const auto load = frame_.load(seen, field.tau, pose, slipping, 0.0, 0.0);
         const double normal = load.contact_adhesion - load.fz;
-        const double coefficient =
-            dynamics().kinetic(way.along, slipping.size(), middle(y)[0], pose, normal, field.tau);
+        const double coefficient = dynamics().kinetic(direction.along, slipping.size(),
+                                                      middle(y)[0], pose, normal, field.tau);
         const FaceReaction reaction =
-            face_reaction(model(), Base::quadrant(), load, false, way.along * coefficient);
+            face_reaction(model(), Base::quadrant(), load, false, direction.along * coefficient);
         const Vector friction =
-            frame_.vector(reaction.friction, -way.across * coefficient * normal);
+            frame_.vector(reaction.friction, -direction.across * coefficient * normal);
         const Vector acceleration =
             frame_.vector((load.fx + friction.along) * robot().per_mass,
                           (frame_.across(load) + friction.across) * robot().per_mass);
@@ -151,8 +151,8 @@ public:
         const Motion motion = solve(field, y);
         const Pose pose = dynamics().pose(0.0);
         const double normal = motion.reaction.normal();
-        const auto limit = [&](double way) {
-            return dynamics().static_limit(way, y[0], pose, normal, field.tau) * normal;
+        const auto limit = [&](double slip_sign) {
+            return dynamics().static_limit(slip_sign, y[0], pose, normal, field.tau) * normal;
         };
         dydt = {};
         put(g, motion.reaction.ahead, motion.reaction.behind,

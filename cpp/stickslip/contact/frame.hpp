@@ -28,7 +28,7 @@
 ///   load(seen, tau, pose, velocity, vz, omega)   forces but those of touching corners
 ///   across(load)        what of them is across, N
 ///   events(seen)        values of kFrameEvents
-///   left_to_break(friction, limit)   values of kBreaks; `limit(way)`: friction that holds, N
+///   left_to_break(friction, limit)   values of kBreaks; `limit(slip_sign)`: friction that holds, N
 ///   body, sample      of a state; centre(place, z): where the field's expansion is looked at;
 ///                       in_ground(tau, centre): the same as the coils see it
 ///   along_front(v)      what the summary counts of a slip; of_face(middle, face): at which place
@@ -36,12 +36,12 @@
 /// and for the question of what follows from a slip (contact.cpp)
 ///   is_slow(slip)       whether static friction may hold it; has_begun(slip): whether it has a way
 ///   against(friction)   the way in which a contact slips against its friction, of size one
-///   begun(slip, way)    a slip that goes on, or begins, that way
-///   way_of(slip, friction, onset)    its way; without a velocity that of the onset, or against the
-///                       friction that would hold it
-///   way_to_slip(friction, onset, acceleration)   in which a corner breaks loose, where
-///                       `acceleration(way)` is that of its slip
-///   mark(way)           ContactMode::slip
+///   begun(slip, direction)    a slip that goes on, or begins, that way
+///   direction_of(slip, friction, onset)   its way; without a velocity that of the onset, or
+///                       against the friction that would hold it
+///   direction_to_slip(friction, onset, acceleration)   in which a corner breaks loose, where
+///                       `acceleration(direction)` is that of its slip
+///   mark(direction)     ContactMode::slip
 /// Numbers may be packs, but not those of this last part.
 namespace stickslip {
 
@@ -173,14 +173,14 @@ public:
     static Vector against(const Vector& friction) { return {friction.along > 0.0 ? -1.0 : 1.0}; }
     /// That it slips, and which way, is not in its velocity but in the mode.
     static Vector begun(const Vector& slip, const Vector&) { return slip; }
-    static Vector way_of(const Vector& slip, const Vector& friction, int onset) {
+    static Vector direction_of(const Vector& slip, const Vector& friction, int onset) {
         if (slip.along != 0.0) return {slip.along > 0.0 ? 1.0 : -1.0};
         return onset != 0 ? Vector{static_cast<double>(onset)} : against(friction);
     }
-    static Vector way_to_slip(const Vector& friction, int onset, auto&&) {
-        return way_of({}, friction, onset);
+    static Vector direction_to_slip(const Vector& friction, int onset, auto&&) {
+        return direction_of({}, friction, onset);
     }
-    static int mark(const Vector& way) { return way.along > 0.0 ? 1 : -1; }
+    static int mark(const Vector& direction) { return direction.along > 0.0 ? 1 : -1; }
 
 private:
     D* dynamics_;
@@ -189,7 +189,7 @@ private:
 /// The slip of a phase in the fixed frame, to one side until it stops. A slide has
 ///   kEnds, kFrameEvents         the event that ends it, and others
 ///   begin()             the slip (m/s) as the phase begins
-///   way(heading, slip)  the way against which friction acts, of size one
+///   direction(heading, slip)  that against which friction acts, of size one
 ///   left(slip)          value of kEnds; events(slip): of kFrameEvents
 ///   longest_step(slip, acceleration)   s, of one that a step must not leap over
 template <class D>
@@ -201,18 +201,18 @@ public:
     static constexpr Event kEnds = Event::slip_stops;
     static constexpr std::array<Event, 0> kFrameEvents = {};
 
-    /// way: +1 or -1; velocity: m/s.
-    SignedSlide(Real way, Real velocity) : way_(way), begin_{velocity} {}
+    /// slip_sign: +1 or -1; velocity: m/s.
+    SignedSlide(Real slip_sign, Real velocity) : slip_sign_(slip_sign), begin_{velocity} {}
 
     const Place& begin() const { return begin_; }
-    [[gnu::always_inline]] typename Frame::Vector way(typename Frame::Ahead, const Place&) const {
-        return {way_};
+    [[gnu::always_inline]] typename Frame::Vector direction(auto, const Place&) const {
+        return {slip_sign_};
     }
-    [[gnu::always_inline]] Real left(const Place& slip) const { return way_ * slip[0]; }
+    [[gnu::always_inline]] Real left(const Place& slip) const { return slip_sign_ * slip[0]; }
     [[gnu::always_inline]] static std::array<Real, 0> events(const Place&) { return {}; }
 
 private:
-    Real way_;
+    Real slip_sign_;
     Place begin_;
 };
 

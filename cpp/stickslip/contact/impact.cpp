@@ -21,7 +21,7 @@ struct ImpactContact {
 
     double friction(int slip) const { return slip > 0 ? forward : backward; }
     // Of a slip whose unit vector has the part `along` in the plane of motion: what depends on the
-    // way is linear in it (`Quantity::friction_by_way`).
+    // way is linear in it (`Quantity::directional_friction`).
     double friction_along(double along) const {
         return 0.5 * (forward + backward) + 0.5 * along * (forward - backward);
     }
@@ -99,11 +99,11 @@ public:
 
 private:
     // Of an impulse at a contact that stuck before it, or did not.
-    double coefficient(double way, bool stuck) {
+    double coefficient(double slip_sign, bool stuck) {
         const Friction& friction = model_.friction;
         const double alone = stuck ? friction.static_coefficient : friction.kinetic_coefficient;
         if (model_.laws.empty()) return alone;
-        at_.way = way;
+        at_.slip_sign = slip_sign;
         const Laws<double> laws(model_.laws.table(), model_.laws.numbers(), kFromStart);
         std::array<double, 1> value = {alone};
         laws.apply<Quantity::friction, Quantity::friction_by_load>(at_, value);
@@ -231,37 +231,37 @@ private:
     }
 
     // Friction of the limit against a slip that way.
-    Impulse sliding_impulse(const std::array<bool, 2>& acting, const Heading& way) const {
-        Impulse result = impulse(acting, way.cosine);
+    Impulse sliding_impulse(const std::array<bool, 2>& acting, const Heading& direction) const {
+        Impulse result = impulse(acting, direction.cosine);
         for (std::size_t i = 0; i < count_; ++i) {
-            const double limit = coefficient(contacts_[i], way.cosine) * result.normal[i];
-            if (acting[i]) result.across -= way.sine * limit;
+            const double limit = coefficient(contacts_[i], direction.cosine) * result.normal[i];
+            if (acting[i]) result.across -= direction.sine * limit;
         }
         return result;
     }
 
-    // How far the slip that remains after an impulse is from its target, along and across `way`.
+    // How far the slip that remains after an impulse is from its target, in the slip's frame.
     Slip beyond_target(const std::array<bool, 2>& acting, const Impulse& impulse,
-                       const Heading& way) const {
+                       const Heading& direction) const {
         const BodyState body = apply(impulse);
         const Slip target = tangential_target(acting);
-        return way.seen(tangential_velocity(body) - target.along, body.vy - target.across);
+        return direction.seen(tangential_velocity(body) - target.along, body.vy - target.across);
     }
 
     bool try_set(const std::array<bool, 2>& acting) {
         Impulse stick = impulse(acting, std::nullopt);
         stick.across = model_.mass * (tangential_target(acting).across - before_.vy);
         const double size = std::hypot(stick.tangential, stick.across);
-        const double way = size > 0.0 ? -stick.tangential / size : 1.0;
+        const double slip_sign = size > 0.0 ? -stick.tangential / size : 1.0;
         double limit = 0.0;
         for (std::size_t i = 0; i < count_; ++i) {
-            if (acting[i]) limit += coefficient(contacts_[i], way) * stick.normal[i];
+            if (acting[i]) limit += coefficient(contacts_[i], slip_sign) * stick.normal[i];
         }
         if (admissible(stick, acting) && size <= limit) {
             accept(stick, acting, true);
             return true;
         }
-        if (before_.vy == 0.0) return try_sliding(acting, {way, 0.0});
+        if (before_.vy == 0.0) return try_sliding(acting, {slip_sign, 0.0});
         // The way in which the slip that remains is that against which friction acted. The body
         // turns more easily than it moves across, so it is not quite that of the sticking impulse.
         const auto turned = [&](double angle) {
@@ -274,9 +274,9 @@ private:
             return try_sliding(acting, Heading::of_angle(find_root(low, high, turned)));
         });
     }
-    bool try_sliding(const std::array<bool, 2>& acting, const Heading& way) {
-        const Impulse sliding = sliding_impulse(acting, way);
-        const bool goes_on = beyond_target(acting, sliding, way).along >= 0.0;
+    bool try_sliding(const std::array<bool, 2>& acting, const Heading& direction) {
+        const Impulse sliding = sliding_impulse(acting, direction);
+        const bool goes_on = beyond_target(acting, sliding, direction).along >= 0.0;
         if (!goes_on || !admissible(sliding, acting)) return false;
         accept(sliding, acting, false);
         return true;
@@ -351,7 +351,7 @@ void on_corner(const ImpactProblem& problem, const Pose& pose, ImpactResult& res
     if (!problem.closed(0)) return;
     result.touch = Touch::corner;
     result.body.vy = result.slip_across;
-    result.body.vz = result.body.omega * pose.lever;
+    result.body.vz = result.body.omega * pose.lever_arm;
     result.body.vx = result.body.omega * pose.height + result.slip_velocity;
 }
 
@@ -359,8 +359,8 @@ void on_corner(const ImpactProblem& problem, const Pose& pose, ImpactResult& res
 
 ImpactResult corner_impact(const Model& model, const Pose& pose, const BodyState& before,
                            double time, double cosine) {
-    ImpactProblem problem(model, pose.height, before.x + pose.lever * cosine, time, before);
-    problem.add(pose.lever, true, false);
+    ImpactProblem problem(model, pose.height, before.x + pose.lever_arm * cosine, time, before);
+    problem.add(pose.lever_arm, true, false);
     ImpactResult result{before, Touch::none};
     if (corner_velocity_z(pose, before.vz, before.omega) > kCaptureSpeed) return result;
     // With one corner that approaches the problem always has a solution; one that does not has
@@ -397,11 +397,11 @@ ImpactResult stop_impact(const Model& model, const Pose& pose, const BodyState& 
     const Face face = model.face(before.quadrant);
     const bool lies = touch == Touch::face;
     ImpactProblem problem(model, lies ? face.height : pose.height,
-                          lies ? before.x : before.x + pose.lever, time, before);
+                          lies ? before.x : before.x + pose.lever_arm, time, before);
     const std::size_t count = lies ? 2 : touch == Touch::corner ? 1 : 0;
     if (lies) problem.add(face.half_base + face.shift, false, !slips);
     if (lies) problem.add(-face.half_base + face.shift, false, !slips);
-    if (touch == Touch::corner) problem.add(pose.lever, false, !slips);
+    if (touch == Touch::corner) problem.add(pose.lever_arm, false, !slips);
     problem.strike(strike);
     std::array<bool, 2> stays = {};
     bool presses = false;  // by more than rounding

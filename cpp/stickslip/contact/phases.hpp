@@ -103,7 +103,7 @@ protected:
         const auto heading = frame_.heading_at_corner(tau, corner, pose);
         return frame_.body(heading, frame_.moved(corner, heading, -pose.place()), pose.height,
                            angle, frame_.moved(slip, heading, omega * pose.height),
-                           omega * pose.lever, omega);
+                           omega * pose.lever_arm, omega);
     }
 };
 
@@ -132,10 +132,10 @@ public:
         const auto seen = frame_.seen_at_corner(field, contact_, pose);
         const Motion motion = solve(seen, field.tau, pose, y);
         const Real normal = motion.stick.reaction.normal;
-        const Real touch_x = frame_.moved(contact_, seen.heading, pose.roll)[0];
-        const Real most = dynamics().sticking(touch_x, pose, normal, field.tau);
-        const auto limit = [&](double way) __attribute__((always_inline)) {
-            return dynamics().leaning(most, way) * normal;
+        const Real touch_x = frame_.moved(contact_, seen.heading, pose.rolled_distance)[0];
+        const Real most = dynamics().static_coefficient(touch_x, pose, normal, field.tau);
+        const auto limit = [&](double slip_sign) __attribute__((always_inline)) {
+            return dynamics().directional(most, slip_sign) * normal;
         };
         dydt = {y[1], motion.stick.angular_acceleration};
         put(g, normal, frame_.left_to_break(motion.friction, limit), y[0], kQuarterTurn - y[0],
@@ -169,7 +169,7 @@ public:
         const auto seen = frame_.seen_at_corner(Base::field_at(tau), contact_, pose);
         const Motion motion = solve(seen, tau, pose, y);
         return frame_.sample(body(tau, y), motion.stick.reaction.normal, motion.friction,
-                             frame_.moved(contact_, seen.heading, pose.roll), {});
+                             frame_.moved(contact_, seen.heading, pose.rolled_distance), {});
     }
     State scale(const Scales& s) const { return {1.0, s.rate}; }
     Real speed(const State& y) const { return magnitude(y[1]) * robot().radius; }
@@ -187,7 +187,7 @@ private:
     [[gnu::always_inline]] Motion solve(const Seen& seen, Real tau, const PoseOf<Real>& pose,
                                         const State& y) const {
         const Vector velocity = {y[1] * pose.height};
-        const auto load = frame_.load(seen, tau, pose, velocity, y[1] * pose.lever, y[1]);
+        const auto load = frame_.load(seen, tau, pose, velocity, y[1] * pose.lever_arm, y[1]);
         Motion motion;
         motion.stick = corner_stick(robot(), pose, y[1], load);
         motion.friction = frame_.vector(motion.stick.reaction.friction, -frame_.across(load));
@@ -265,7 +265,8 @@ public:
         const auto seen = frame_.seen_at_corner(Base::field_at(tau), contact(y), pose);
         const Motion motion = solve(seen, tau, pose, y);
         return frame_.sample(body(tau, y), motion.upright.normal, motion.friction,
-                             frame_.moved(contact(y), seen.heading, pose.roll), motion.slip);
+                             frame_.moved(contact(y), seen.heading, pose.rolled_distance),
+                             motion.slip);
     }
     State scale(const Scales& s) const {
         return gather<State>(frame_.both(s.length), 1.0, frame_.both(s.velocity), s.rate);
@@ -306,18 +307,18 @@ private:
                                         const State& y) const {
         const Real omega = y[kOmega];
         Motion motion;
-        const Vector way = slide_.way(seen.heading, slip(y));
+        const Vector direction = slide_.direction(seen.heading, slip(y));
         motion.slip = frame_.in_plane(seen.heading, slip(y));
         const auto load = frame_.load(
             seen, tau, pose,
             frame_.vector(fma(omega, pose.height, motion.slip.along), motion.slip.across),
-            omega * pose.lever, omega);
-        const Real touch_x = frame_.moved(contact(y), seen.heading, pose.roll)[0];
-        const Real coefficient = dynamics().corner_kinetic(way.along, motion.slip.size(), touch_x,
-                                                           pose, omega, load, tau);
-        motion.upright = corner_slip(robot(), pose, omega, load, way.along * coefficient);
+            omega * pose.lever_arm, omega);
+        const Real touch_x = frame_.moved(contact(y), seen.heading, pose.rolled_distance)[0];
+        const Real coefficient = dynamics().corner_kinetic(direction.along, motion.slip.size(),
+                                                           touch_x, pose, omega, load, tau);
+        motion.upright = corner_slip(robot(), pose, omega, load, direction.along * coefficient);
         const Real size = -coefficient * motion.upright.normal;
-        motion.friction = frame_.vector(way.along * size, way.across * size);
+        motion.friction = frame_.vector(direction.along * size, direction.across * size);
         motion.acceleration =
             frame_.vector(motion.upright.slip_acceleration,
                           (frame_.across(load) + motion.friction.across) * robot().per_mass);

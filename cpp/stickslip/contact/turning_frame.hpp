@@ -107,14 +107,15 @@ public:
         return {-friction.along / size, -friction.across / size};
     }
     /// The velocity says which way, also of a contact that has just broken loose.
-    static Vector begun(const Vector& slip, const Vector& way) {
-        return has_begun(slip) ? slip : Vector{kLeastSlip * way.along, kLeastSlip * way.across};
+    static Vector begun(const Vector& slip, const Vector& direction) {
+        if (has_begun(slip)) return slip;
+        return {kLeastSlip * direction.along, kLeastSlip * direction.across};
     }
-    static Vector way_of(const Vector& slip, const Vector& friction, int) {
+    static Vector direction_of(const Vector& slip, const Vector& friction, int) {
         const double speed = slip.size();
         return speed > 0.0 ? Vector{slip.along / speed, slip.across / speed} : against(friction);
     }
-    static Vector way_to_slip(const Vector& friction, int onset, auto&& acceleration);
+    static Vector direction_to_slip(const Vector& friction, int onset, auto&& acceleration);
     static int mark(const Vector&) { return 1; }
 
 private:
@@ -128,15 +129,15 @@ private:
 /// rod's turning makes the contact lighter along than across, so that the way is not quite that of
 /// the force: it is looked for, from the force's on. Where friction one way is next to nothing, the
 /// ways that a small force can take are too few to be found, and are next to the force's.
-Slip TurningFrame::way_to_slip(const Vector& friction, int, auto&& acceleration) {
-    const auto way_at = [](double angle) { return Slip{std::cos(angle), std::sin(angle)}; };
+Slip TurningFrame::direction_to_slip(const Vector& friction, int, auto&& acceleration) {
+    const auto direction_at = [](double angle) { return Slip{std::cos(angle), std::sin(angle)}; };
     const auto turned = [&](double angle) {
-        const Slip way = way_at(angle), a = acceleration(way);
-        return Heading{way.along, way.across}.seen(a.along, a.across);
+        const Slip direction = direction_at(angle), a = acceleration(direction);
+        return Heading{direction.along, direction.across}.seen(a.along, a.across);
     };
     const auto turning = [&](double angle) { return turned(angle).across; };
     const double force = std::atan2(-friction.across, -friction.along);
-    double way = force;
+    double slip_angle = force;
     // Slip goes to a way in which the acceleration does not turn it and to which others turn.
     search_around(force, [&](double low, double high) {
         if (!(turning(low) >= 0.0 && turning(high) <= 0.0)) return false;
@@ -145,10 +146,10 @@ Slip TurningFrame::way_to_slip(const Vector& friction, int, auto&& acceleration)
         constexpr double kNothing = 1e-4;  // of what friction does to a slip; measured: 3e-6
         const double back = turned(found + std::numbers::pi).along;
         if (turned(found).along < -kNothing * std::abs(back)) return false;
-        way = found;
+        slip_angle = found;
         return true;
     });
-    return way_at(way);
+    return direction_at(slip_angle);
 }
 
 /// The slip of a phase along a vector, see frame.hpp. kSlow: it began slow (`is_slow`), and
@@ -165,14 +166,14 @@ public:
         return result;
     }();
 
-    explicit VectorSlide(const Place& begin) : begin_(begin), way_(way_of(begin)) {}
+    explicit VectorSlide(const Place& begin) : begin_(begin), direction_(direction_of(begin)) {}
 
     const Place& begin() const { return begin_; }
-    Slip way(const Heading& h, const Place& slip) const {
-        return Frame::in_plane(h, kSlow ? way_ : way_of(slip));
+    Slip direction(const Heading& h, const Place& slip) const {
+        return Frame::in_plane(h, kSlow ? direction_ : direction_of(slip));
     }
     double left(const Place& slip) const {
-        if constexpr (kSlow) return way_[0] * slip[0] + way_[1] * slip[1];
+        if constexpr (kSlow) return direction_[0] * slip[0] + direction_[1] * slip[1];
         return size(slip) - kCaptureSpeed;
     }
     /// What a slow slip still lacks to be a fast one.
@@ -193,12 +194,12 @@ public:
 
 private:
     static double size(const Place& v) { return Frame::size(v); }
-    static Place way_of(const Place& slip) {
+    static Place direction_of(const Place& slip) {
         const double speed = size(slip);
         return speed > 0.0 ? Place{slip[0] / speed, slip[1] / speed} : Place{1.0, 0.0};
     }
 
-    Place begin_, way_;
+    Place begin_, direction_;
 };
 
 void TurningFrame::with_slide(const HybridState& state, auto&& use) const {

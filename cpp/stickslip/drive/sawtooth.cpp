@@ -84,9 +84,7 @@ Coil in_plane_coil(const SurfaceDirection& towards) {
 VoltageProgram turned(const VoltageProgram& program) {
     std::vector<VoltageBlock> blocks = program.blocks();
     for (VoltageBlock& block : blocks) {
-        for (VoltagePoint& point : block.points) {
-            point.voltage = turned(point.voltage);
-        }
+        for (VoltagePoint& point : block.points) point.voltage = turned(point.voltage);
     }
     return VoltageProgram(std::move(blocks));
 }

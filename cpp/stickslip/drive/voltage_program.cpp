@@ -11,33 +11,31 @@
 namespace stickslip {
 namespace {
 
-void check_block(const VoltageBlock& block, std::size_t index) {
-    const std::string where = "voltage block " + std::to_string(index + 1) + ": ";
-    if (block.points.size() < 2) throw std::invalid_argument(where + "needs at least two points");
-    if (block.repeats < 1) {
-        throw std::invalid_argument(where + "repeats = " + std::to_string(block.repeats) +
-                                    ", allowed is 1 or more");
-    }
-    if (block.points.front().time != 0.0) {
-        throw std::invalid_argument(where + "the first point is at t = " +
-                                    digits(block.points.front().time) + " s, it has to be at 0");
-    }
-    double previous = 0.0;
-    for (const VoltagePoint& point : block.points) {
-        if (!std::isfinite(point.time) || point.time < previous) {
-            throw std::invalid_argument(where + "t = " + digits(point.time) + " s follows " +
-                                        digits(previous) +
-                                        " s, times have to be finite and must not fall");
+// Part of a time by which sums of times may be rounded. Chosen: a thousand sums of doubles.
+constexpr double kRounding = 1e-12;
+
+// A time that falls by rounding becomes the one before it.
+void check_block(VoltageBlock& block) {
+    const std::size_t count = block.points.size();
+    std::size_t k = 0;
+    const auto refuse = [&](const std::string& why) {
+        throw std::invalid_argument("point " + std::to_string(k + 1) +
+                                    ": t = " + digits(block.points[k].time) + why);
+    };
+    if (count < 2) throw std::invalid_argument("voltages: allowed are two points or more");
+    if (block.repeats < 1) throw std::invalid_argument("repeats: allowed is 1 or more");
+    for (double risen = 0.0; k < count; ++k) {
+        auto& [time, volts] = block.points[k];
+        const auto finite = [](double volt) { return std::isfinite(volt); };
+        if (k == 0 && time != 0.0) refuse(": the first time has to be at 0 s");
+        if (!std::isfinite(time)) refuse(": allowed are finite times");
+        if (!std::all_of(volts.begin(), volts.end(), finite)) refuse(": a voltage is not finite");
+        if (risen - time > kRounding * risen) {
+            refuse(" s follows " + digits(risen) + " s: times must not fall");
         }
-        previous = point.time;
-        for (const double voltage : point.voltage) {
-            if (!std::isfinite(voltage)) {
-                throw std::invalid_argument(where + "a voltage at t = " + digits(point.time) +
-                                            " s is not finite");
-            }
-        }
+        risen = time = std::max(risen, time);
+        if (k + 1 == count && time == 0.0) refuse(": no duration; allowed is above 0 s");
     }
-    if (!(previous > 0.0)) throw std::invalid_argument(where + "has no duration");
 }
 
 // Parts of a segment, 0 to 1, at which some coil's voltage meets +-limit.
@@ -66,9 +64,8 @@ PerCoil voltage_at(const VoltageSegment& segment, double t) {
 
 VoltageProgram::VoltageProgram(std::vector<VoltageBlock> blocks) : blocks_(std::move(blocks)) {
     if (blocks_.empty()) throw std::invalid_argument("the voltage program is empty");
-    for (std::size_t index = 0; index < blocks_.size(); ++index) {
-        const VoltageBlock& block = blocks_[index];
-        check_block(block, index);
+    for (VoltageBlock& block : blocks_) {
+        check_block(block);
         duration_ += block.duration() * static_cast<double>(block.repeats);
         for (const VoltagePoint& point : block.points) {
             for (std::size_t coil = 0; coil < kCoilCount; ++coil) {
@@ -95,7 +92,7 @@ bool SegmentCursor::next(VoltageSegment& segment) {
         const VoltagePoint& to = block.points[point_ + 1];
         ++point_;
         // Too short for the voltage to matter, and for times far from zero to resolve: a jump.
-        if (to.time - from.time <= 1e-12 * block.duration()) continue;
+        if (to.time - from.time <= kRounding * block.duration()) continue;
         // A product, not a running sum: the hundredth pulse starts as exactly as the first.
         const double origin = block_start_ + block.duration() * static_cast<double>(repeat_);
         segment = {origin + from.time, origin + to.time, from.voltage, to.voltage};

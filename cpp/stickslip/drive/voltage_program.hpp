@@ -44,8 +44,9 @@ class VoltageProgram {
 public:
     VoltageProgram() = default;
 
-    /// Throws std::invalid_argument for an empty program, an empty or falling block, a first point
-    /// that is not at time zero, a repeat count below one, or values that are not finite.
+    /// Times that fall by rounding are made equal. Throws std::invalid_argument for an empty
+    /// program, a block of less than two points, without a duration, that falls or does not begin
+    /// at zero, a repeat count below one, or values that are not finite.
     explicit VoltageProgram(std::vector<VoltageBlock> blocks);
 
     const std::vector<VoltageBlock>& blocks() const { return blocks_; }

@@ -42,7 +42,7 @@ Scenario tried_scenario(const Scenario& scenario, const NoteTrial& trial) {
     tried.record = {.pull_share = scenario.record.pull_share};
     if (trial.voltages != 1.0) {
         const RobotFrame frame = frame_of(scenario);
-        std::vector<VoltageBlock> blocks = frame.seen(make_program(scenario, frame)).blocks();
+        std::vector<VoltageBlock> blocks = frame.to_world(make_program(scenario, frame)).blocks();
         for (VoltageBlock& block : blocks) {
             for (VoltagePoint& point : block.points) {
                 for (double& volts : point.voltage) volts *= trial.voltages;
@@ -204,12 +204,12 @@ Wording::Wording()
       number(&number_text) {}
 
 std::vector<Note> scenario_notes(const Scenario& scenario, const Wording& words) {
-    return notes_of({.s = scenario, .asked = asked_voltages(scenario)}, false, words, nullptr);
+    return notes_of({.s = scenario, .asked = commanded_voltages(scenario)}, false, words, nullptr);
 }
 
 std::vector<Note> run_notes(const Scenario& scenario, const Summary& summary, bool ok, bool cut,
                             const Wording& words, RunControl* control) {
-    const PerCoil asked = asked_voltages(scenario);
+    const PerCoil asked = commanded_voltages(scenario);
     return notes_of({.s = scenario, .run = summary, .ok = ok, .cut = cut, .asked = asked}, true,
                     words, control);
 }
@@ -222,9 +222,9 @@ double field_swing(double frequency, double time_constant) {
     return (1.0 - std::exp(-top)) / fall - top / share;
 }
 
-PerCoil asked_voltages(const Scenario& scenario) {
+PerCoil commanded_voltages(const Scenario& scenario) {
     const RobotFrame frame = frame_of(scenario);
-    return frame.seen(asked_program(scenario, frame)).largest_voltage();
+    return frame.to_world(commanded_program(scenario, frame)).largest_voltage();
 }
 
 }  // namespace stickslip

@@ -50,6 +50,6 @@ std::vector<Note> run_notes(const Scenario& scenario, const Summary& summary, bo
 double field_swing(double frequency, double time_constant);
 
 /// The largest voltage that the drive asks of each coil of the world's frame, V.
-PerCoil asked_voltages(const Scenario& scenario);
+PerCoil commanded_voltages(const Scenario& scenario);
 
 }  // namespace stickslip

@@ -279,8 +279,8 @@ Circuit make_circuit(const Scenario& s, const RobotFrame& frame, const VoltagePr
     }
     Circuit circuit(parameters);
     if (!(s.initial == SimulationState{})) {
-        circuit.set_currents(frame.seen(s.initial.current), frame.seen(s.initial.field_lag),
-                             frame.seen(s.initial.capacitor));
+        circuit.set_currents(frame.to_robot(s.initial.current), frame.to_robot(s.initial.field_lag),
+                             frame.to_robot(s.initial.capacitor));
     }
     return circuit;
 }
@@ -296,8 +296,8 @@ PerCoil held_field_gain(const Scenario& s, const PerCoil& currents) {
     return field_gain_at(s, still * make_field_shape(s.effects).factor(0.0, currents));
 }
 
-VoltageProgram asked_program(const Scenario& s, const RobotFrame& frame) {
-    if (s.drive.kind() == DriveKind::program) return frame.seen(s.program);
+VoltageProgram commanded_program(const Scenario& s, const RobotFrame& frame) {
+    if (s.drive.kind() == DriveKind::program) return frame.to_robot(s.program);
     if (s.drive.kind() == DriveKind::none) {
         return VoltageProgram({{{{0.0, {}}, {1.0 / pulse_rate(s), {}}}, s.drive.pulses}});
     }
@@ -313,7 +313,7 @@ VoltageProgram asked_program(const Scenario& s, const RobotFrame& frame) {
 
 VoltageProgram make_program(const Scenario& s, const RobotFrame& frame) {
     const double limit = s.effects.amplifier_limit_voltage;
-    const VoltageProgram program = asked_program(s, frame);
+    const VoltageProgram program = commanded_program(s, frame);
     return limit > 0.0 ? clipped(program, limit) : program;
 }
 
@@ -323,9 +323,9 @@ namespace {
 PerCoil driven_gain(const Scenario& scenario, const RobotFrame& frame,
                     const VoltageProgram& program) {
     PerCoil gain = field_gain(scenario);
-    const PerCoil current = frame.seen(scenario.initial.current);
-    const PerCoil lag = frame.seen(scenario.initial.field_lag);
-    const PerCoil charged = frame.seen(scenario.initial.capacitor);
+    const PerCoil current = frame.to_robot(scenario.initial.current);
+    const PerCoil lag = frame.to_robot(scenario.initial.field_lag);
+    const PerCoil charged = frame.to_robot(scenario.initial.capacitor);
     // Coupled coils all have current.
     for (std::size_t k = 0; k < kCoilCount; ++k) {
         const bool driven = program.largest_voltage()[k] > 0.0 || current[k] != 0.0 ||
@@ -367,7 +367,7 @@ StepperOptions make_stepper_options(const Scenario& scenario, const Model& model
     const Effects& e = scenario.effects;
     double field =
         std::hypot(std::hypot(e.ambient_field_bx, e.ambient_field_by), e.ambient_field_bz);
-    const PerCoil current = model.frame.seen(scenario.initial.current);
+    const PerCoil current = model.frame.to_robot(scenario.initial.current);
     const PerCoilOf<CoilParameters> own = robot_coils(scenario, model.frame);
     const PerCoil centre = coils.centre_fields_per_ampere();
     double ringing = 0.0;  // 1/s, of the fastest coil with a capacitor

@@ -33,7 +33,7 @@ PerCoil field_gain(const Scenario& scenario);
 PerCoil held_field_gain(const Scenario& scenario, const PerCoil& currents);
 
 /// Voltages that the drive asks for, in the robot's own frame.
-VoltageProgram asked_program(const Scenario& scenario, const RobotFrame& frame);
+VoltageProgram commanded_program(const Scenario& scenario, const RobotFrame& frame);
 
 /// The same as the amplifiers give them.
 VoltageProgram make_program(const Scenario& scenario, const RobotFrame& frame);

@@ -162,7 +162,7 @@ private:
         const BodyState& body = start_.state.body;
         if (std::abs(corner_velocity_z(pose(), body.vz, body.omega)) > slack()) {
             refuse("initial.vz", given_.vz,
-                   digits(body.omega * pose().lever) +
+                   digits(body.omega * pose().lever_arm) +
                        " m/s, with which the corner stays on the surface, with initial.contact = "
                        "\"" +
                        word_ + "\"");

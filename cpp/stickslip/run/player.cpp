@@ -97,6 +97,7 @@ Status Player::handle(Event event) {
 void Player::stay_there() {
     if (is_at_end()) return;
     const SimulationState there = world();
+    const auto own = [this](const PerCoil& v) { return model_.frame.to_robot(v); };
     circuit_.set_currents(own(there.current), own(there.field_lag), own(there.capacitor));
     dynamics_.set_contact_age(dynamics_.contact_age() + tau_);
     segment_.duration = tau_ = 0.0;
@@ -159,9 +160,9 @@ SimulationState Player::world() const {
         const PerCoil field = segment_.field_currents(tau_);
         for (std::size_t k = 0; k < kCoilCount; ++k) lag[k] = field[k] - current[k];
     }
-    result.current = own(current);
-    result.field_lag = own(lag);
-    result.capacitor = own(capacitor);
+    result.current = model_.frame.to_world(current);
+    result.field_lag = model_.frame.to_world(lag);
+    result.capacitor = model_.frame.to_world(capacitor);
     return result;
 }
 

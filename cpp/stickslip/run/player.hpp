@@ -152,8 +152,6 @@ public:
 
 private:
     static Place place(const BodyState& body) { return {body.x, body.y, body.z}; }
-    // In the robot's own frame, or back.
-    PerCoil own(const PerCoil& world) const { return model_.frame.seen(world); }
     void drive_further_coils();
 
     const Model model_;

@@ -29,21 +29,22 @@ public:
         return result;
     }
     [[gnu::always_inline]] PoseOf<Real> pose(Real angle) const { return robot_->pose(angle); }
-    [[gnu::always_inline]] Real sticking(Real x, const PoseOf<Real>& pose, Real, Real tau) const {
+    [[gnu::always_inline]] Real static_coefficient(Real x, const PoseOf<Real>& pose, Real,
+                                                   Real tau) const {
         const Real coefficient = robot_->static_friction;
-        if constexpr (kEffects) return laws().sticking(coefficient, x, pose, tau);
+        if constexpr (kEffects) return laws().static_coefficient(coefficient, x, pose, tau);
         return coefficient;
     }
-    [[gnu::always_inline]] Real leaning(Real coefficient, Real way) const {
-        if constexpr (kEffects) return laws().leaning(coefficient, way);
+    [[gnu::always_inline]] Real directional(Real coefficient, Real slip_sign) const {
+        if constexpr (kEffects) return laws().directional(coefficient, slip_sign);
         return coefficient;
     }
-    [[gnu::always_inline]] Real corner_kinetic(Real way, Real slip_velocity, Real x,
+    [[gnu::always_inline]] Real corner_kinetic(Real slip_sign, Real slip_velocity, Real x,
                                                const PoseOf<Real>& pose, Real, const LoadOf<Real>&,
                                                Real tau) const {
         const Real coefficient = robot_->kinetic_friction;
         if constexpr (kEffects) {
-            return laws().slipping(coefficient, way, slip_velocity, x, pose, tau);
+            return laws().kinetic_coefficient(coefficient, slip_sign, slip_velocity, x, pose, tau);
         }
         return coefficient;
     }

@@ -60,7 +60,7 @@ constexpr Row kRows[] = {
      STICKSLIP_AMPLITUDE(n[0])},
     {{"friction_anisotropy", "friction differs between slip to the front and to the rear",
       "direction-dependent Coulomb friction"},
-     {friction_by_way, multiplies, way, line},
+     {directional_friction, multiplies, slip_sign, line},
      {{{"effects.friction_anisotropy.fraction", "-", -1, 1,
         "part by which friction is higher for slip to the robot's front, and lower to its rear"}}},
      STICKSLIP_AMPLITUDE(n[0])},

@@ -36,10 +36,10 @@ struct ArgumentWord {
     Argument argument;
 };
 constexpr ArgumentWord kArgumentWords[] = {
-    {"way", Argument::way},     {"slip_speed", Argument::slip_speed},
-    {"place", Argument::place}, {"tilt", Argument::tilt},
-    {"load", Argument::load},   {"time", Argument::time},
-    {"age", Argument::age},     {"speed", Argument::speed},
+    {"way", Argument::slip_sign}, {"slip_speed", Argument::slip_speed},
+    {"place", Argument::place},   {"tilt", Argument::tilt},
+    {"load", Argument::load},     {"time", Argument::time},
+    {"age", Argument::age},       {"speed", Argument::speed},
     {"rate", Argument::rate},
 };
 
@@ -100,13 +100,14 @@ std::string given(const OwnLaw& law, Number number) {
 }
 
 bool has_scale(const OwnLaw& law) {
-    return argument_of(law).argument != Argument::way && form_of(law).of_tilt == Argument::tilt;
+    return form_of(law).of_tilt == Argument::tilt &&
+           argument_of(law).argument != Argument::slip_sign;
 }
 
 // Laws of the way and of the load stand apart.
 Quantity quantity_over(Quantity quantity, Argument over) {
     if (quantity != Quantity::friction) return quantity;
-    if (over == Argument::way) return Quantity::friction_by_way;
+    if (over == Argument::slip_sign) return Quantity::directional_friction;
     return over == Argument::load ? Quantity::friction_by_load : quantity;
 }
 
@@ -142,7 +143,7 @@ void check_words(const OwnLaw& law) {
     if (form_of(law).of_tilt != Argument::tilt && over != Argument::tilt) {
         refuse(what, "over = \"tilt\"");
     }
-    if (over == Argument::way && form_of(law).form != Form::line) {
+    if (over == Argument::slip_sign && form_of(law).form != Form::line) {
         refuse(what, "\"line\", as there are two ways");
     }
     if (over == Argument::load && !is_bounded(form_of(law).form)) {

@@ -20,10 +20,10 @@ from stickslip._util.files import write_together
 from stickslip._util.picture import RC, Picture, legend_above
 from stickslip._util.text import OneLine
 from stickslip.design.goal import DRAGGED, Goal
-from stickslip.design.space import drive_waveform
 from stickslip.scenario.keys import COIL_NAMES, RECORD_RATE, Value, find_key
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.toml_file import files_of, scenario_writers
+from stickslip.scenario.waveform import drive_waveform
 from stickslip.simulation.note import shown_lines
 from stickslip.simulation.run import Run
 from stickslip.simulation.seen_from_drive import FROM_AXES

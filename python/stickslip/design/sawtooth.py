@@ -11,8 +11,9 @@ import numpy as np
 
 from stickslip._util.arrays import Array
 from stickslip.design.goal import Goal
-from stickslip.design.space import Space, Values, drive_waveform
+from stickslip.design.space import Space, Values
 from stickslip.scenario.keys import COIL_NAMES, FIELDS, Value
+from stickslip.scenario.waveform import drive_waveform
 
 GRID: Mapping[str, Sequence[Any]] = {
     "drive.mode": ("IPP", "OPP"),

@@ -24,7 +24,7 @@ from stickslip.scenario.keys import (
     refuse_sawtooth,
 )
 from stickslip.scenario.scenario import Scenario
-from stickslip.scenario.waveform import Waveform
+from stickslip.scenario.waveform import Waveform, drive_waveform
 from stickslip.simulation.note_table import STEADY_PULSES
 
 Values = Mapping[str, Value]
@@ -140,11 +140,6 @@ class Space:
         pulses = (np.linspace(0.0, 1.0 / drive.frequency, self.knots + 1), period, drive.pulses)
         rise = ([0.0, drive.ramp], [np.zeros(len(COIL_NAMES)), period[0]], 1)
         return Waveform([rise, pulses] if drive.ramp > 0.0 else [pulses])
-
-
-def drive_waveform(scenario: Scenario) -> Waveform:
-    """The voltages of any drive as a program."""
-    return Waveform(scenario.to_core().program())
 
 
 def made_space(

@@ -92,7 +92,7 @@ def _highest_currents(scenario: Scenario) -> Array:
     Highest is the greatest sum of the magnitudes of all five.
     """
     core = scenario.to_core()
-    voltages = np.concatenate([values for _, values, _ in core.program()])
+    voltages = np.concatenate([values for _, values, _ in core.program().blocks])
     highest = voltages[np.abs(voltages).sum(axis=1).argmax()]
     return np.asarray(highest / np.array(core.resistances()) + 0.0)  # no negative zeros
 

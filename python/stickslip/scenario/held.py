@@ -60,18 +60,22 @@ class Held:
         """Its name in the section."""
         return self.key.rpartition(".")[2]
 
+    @property
+    def class_name(self) -> str:
+        """What its class is called."""
+        return self.maker.partition(":")[2].partition(".")[0]
+
     @cached_property
     def kind(self) -> type[Any]:
         """The class; imported now, as keys are listed without it."""
-        module, _, maker = self.maker.partition(":")
-        found: type[Any] = getattr(importlib.import_module(module), maker.partition(".")[0])
+        module = importlib.import_module(self.maker.partition(":")[0])
+        found: type[Any] = getattr(module, self.class_name)
         return found
 
     @property
     def hint(self) -> str:
         """What Python has in place of a path."""
-        maker = self.maker.partition(":")[2]
-        name = maker.partition(".")[0]
+        name, maker = self.class_name, self.maker.partition(":")[2]
         article = "an" if name[0] in "AEIO" else "a"
         return f"in Python, {self.key} takes {article} {name}, such as {maker}(path)"
 

@@ -44,7 +44,7 @@ class Section:
         objects = [held for held in OBJECTS.values() if held.section == key]
         cls._name, cls._keys = key, {entry.field: entry.name for entry in keys}
         cls._keys |= {held.field: held.key for held in objects}
-        kinds = {each.field: f"{each.kind.__name__}, optional: {each.meaning}" for each in objects}
+        kinds = {each.field: f"{each.class_name}, optional: {each.meaning}" for each in objects}
         others = {**kinds, **others}
         cls._fields = tuple(dict.fromkeys((*cls._keys, *others)))
         for entry in keys:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+import re
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
@@ -19,11 +20,11 @@ from stickslip._util.columns import read_table
 from stickslip._util.files import replacing
 from stickslip._util.messages import check_above_zero, check_whole, refuse
 from stickslip._util.recipes import Recipe
-from stickslip._util.text import counted, highest, is_number
-from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.changes import Changes
+from stickslip._util.text import highest, is_number
+from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import COIL_NAMES
-from stickslip.scenario.section import Section
+from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.sections import Coil, Drive
 
 _Block = tuple[Array, Array, int]
 
@@ -39,22 +40,18 @@ _MOST_BLOCKS = 100_000  # of repeats within repeats; chosen: some MB of memory
 _MOST_ROWS = 2_000_000  # of a file; chosen: a minute of voltages at 30 kHz
 
 
-def volts_per_tesla(coil: Section | None = None) -> float:
+def volts_per_tesla(coil: Coil | None = None) -> float:
     """Voltage of one coil for a steady-state field of 1 T at the centre, V/T.
 
     Resistance over field per ampere, Eqs. (1)-(7); of coils without own values, or a map's +x coil.
     """
-    core = _with_coil(coil)
+    core = Scenario(coil=coil).to_core()
     return float(core.get("coil.resistance")) / core.coils().centre_field_per_ampere[0]
 
 
-def _with_coil(coil: Section | None) -> _core.Scenario:
-    core = _core.Scenario()
-    if coil is not None:
-        if not isinstance(coil, Section) or coil._name != "coil":
-            refuse("coil", coil, "a Coil")
-        core.take(coil._core, "coil")
-    return core
+def drive_waveform(scenario: Scenario) -> Waveform:
+    """The voltages of any drive as a program."""
+    return Waveform._of(scenario.to_core().program())
 
 
 class Waveform:
@@ -86,17 +83,18 @@ class Waveform:
     1.05
     """
 
-    __slots__ = ("_blocks",)
+    __slots__ = ("_core",)
 
     def __init__(self, blocks: Sequence[tuple[ArrayLike, ArrayLike, int]]) -> None:
-        self._blocks: tuple[_Block, ...] = tuple(_frozen_block(*block) for block in blocks)
-        _core.Scenario().set_program(self._blocks)
+        self._core = _core.VoltageProgram([_block(*block) for block in blocks])
+        for t, v, _ in self.blocks:
+            _refuse_third_points(t, v)
 
     @classmethod
-    def _of(cls, blocks: tuple[_Block, ...]) -> Waveform:
-        """The waveform of blocks of others."""
+    def _of(cls, core: _core.VoltageProgram) -> Waveform:
+        """The waveform of a program of the core."""
         made = object.__new__(cls)
-        made._blocks = blocks
+        made._core = core
         return made
 
     @classmethod
@@ -157,7 +155,7 @@ class Waveform:
         return cls.from_points([0.0, top_time, period], [bottom, _five(high), bottom])
 
     @classmethod
-    def ipp(cls, *, coil: Section | None = None, **drive: Any) -> Waveform:
+    def ipp(cls, *, coil: Coil | None = None, **drive: Any) -> Waveform:
         """In-plane pulsing, section V-A: the voltages of ``Drive(mode="IPP", **drive)``.
 
         Parameters
@@ -175,22 +173,19 @@ class Waveform:
         return cls._pulsed("IPP", coil, drive)
 
     @classmethod
-    def opp(cls, *, coil: Section | None = None, **drive: Any) -> Waveform:
+    def opp(cls, *, coil: Coil | None = None, **drive: Any) -> Waveform:
         """Out-of-plane pulsing, section V-B: the voltages of ``Drive(mode="OPP", **drive)``.
 
         Parameters are those of `ipp`.
         """
         return cls._pulsed("OPP", coil, drive)
 
-    @classmethod
-    def _pulsed(cls, mode: str, coil: Section | None, fields: dict[str, Any]) -> Waveform:
-        if "mode" in fields:
-            refuse("mode", fields["mode"], f"none, as the voltages are those of {mode}")
-        core = _with_coil(coil)
-        changes = {f"drive.{name}": value for name, value in fields.items()}
-        Changes({"drive.mode": mode}, changes).apply(core)
-        core.check()
-        return cls(core.program())
+    @staticmethod
+    def _pulsed(mode: str, coil: Coil | None, fields: dict[str, Any]) -> Waveform:
+        for name in ("mode", "program"):
+            if name in fields:
+                refuse(f"drive.{name}", fields[name], f"none, as the voltages are those of {mode}")
+        return drive_waveform(Scenario(drive=Drive(**fields, mode=mode), coil=coil))
 
     @classmethod
     def from_csv(cls, path: str | PathLike[str]) -> Waveform:
@@ -208,9 +203,11 @@ class Waveform:
         table = read_table(path, Recipe.of(_COLUMNS, exact=True))
         times, *volts = (table.columns[name].values for name in _COLUMNS)
         voltages = np.stack(volts, axis=1)
-        with prefixed(path, ValueError):
-            _check_points(times, voltages, table.lines)
+        try:
             return cls.from_points(times, voltages)
+        except ScenarioError as error:
+            row = re.sub(r"^point (\d+)", lambda k: f"row {table.lines[int(k[1]) - 1]}", str(error))
+            raise ScenarioError(f"{path}: {row}") from None
 
     def to_csv(self, path: str | PathLike[str]) -> None:
         """Write the points with every repeat in full; `from_csv` reads the same numbers.
@@ -227,7 +224,7 @@ class Waveform:
 
     def write(self, path: Path) -> None:
         """See `to_csv`; a file that is there is overwritten."""
-        rows = sum(len(t) * repeats for t, _, repeats in self._blocks)
+        rows = sum(len(t) * repeats for t, _, repeats in self.blocks)
         if rows > _MOST_ROWS:
             raise ScenarioError(f"{rows} rows of voltages: allowed are at most {_MOST_ROWS}")
         with path.open("w", encoding="utf-8", newline="") as file:
@@ -235,14 +232,14 @@ class Waveform:
             writer.writerow(_COLUMNS)
             writer.writerows(np.column_stack(self.points()).tolist())
 
-    def to_core(self) -> tuple[_Block, ...]:
+    def to_core(self) -> _core.VoltageProgram:
         """What the core takes of it."""
-        return self._blocks
+        return self._core
 
     def to_json(self) -> str:
         """The blocks as JSON, from which `from_json` makes the same bits."""
         return json.dumps(
-            [{"t": t.tolist(), "V": v.tolist(), "repeats": n} for t, v, n in self._blocks]
+            [{"t": t.tolist(), "V": v.tolist(), "repeats": n} for t, v, n in self.blocks]
         )
 
     @classmethod
@@ -253,12 +250,12 @@ class Waveform:
     @property
     def blocks(self) -> tuple[_Block, ...]:
         """Blocks as (times (n,) in s, voltages (n, 5) in V, repeats); arrays are read-only."""
-        return self._blocks
+        return tuple((locked(t), locked(v), n) for t, v, n in self._core.blocks)
 
     @property
     def duration(self) -> float:
         """Duration of all blocks with their repeats, s."""
-        return sum(float(t[-1]) * repeats for t, _, repeats in self._blocks)
+        return self._core.duration
 
     def voltages(self, t: ArrayLike) -> Array:
         """Voltages at given times.
@@ -283,12 +280,12 @@ class Waveform:
             raise ScenarioError(f"t: allowed are times from 0 to {highest(self.duration)} s")
         result = np.empty((*times.shape, len(COIL_NAMES)))
         start = 0.0
-        for block_times, block_voltages, repeats in self._blocks:
+        for block_times, block_voltages, repeats in self.blocks:
             span = float(block_times[-1])
             chosen = times >= start
             # A quotient that rounds up past the last repeat still belongs to it.
             number = np.clip(np.floor((times[chosen] - start) / span), 0, repeats - 1)
-            local = times[chosen] - (start + number * span)
+            local = np.maximum(times[chosen] - (start + number * span), 0.0)
             result[chosen] = _interpolated(local, block_times, block_voltages)
             start += span * repeats
         return result
@@ -317,7 +314,7 @@ class Waveform:
             )
         near = _ROUNDING * left
         rest: list[tuple[ArrayLike, ArrayLike, int]] = []
-        for times, voltages, repeats in self._blocks:
+        for times, voltages, repeats in self.blocks:
             played = 0
             if left > near:
                 span = float(times[-1])
@@ -342,9 +339,7 @@ class Waveform:
 
         The coils of each in-plane pair change places, and their voltages change sign.
         """
-        order = [COIL_NAMES.index(name) for name in ("xm", "xp", "ym", "yp", "clamp")]
-        signs = np.array([-1.0, -1.0, -1.0, -1.0, 1.0])
-        return Waveform([(t, v[:, order] * signs, repeats) for t, v, repeats in self._blocks])
+        return self._of(self._core.turned())
 
     def repeat(self, times: int) -> Waveform:
         """The waveform played `times` times in a row; the same as ``times * waveform``.
@@ -356,15 +351,16 @@ class Waveform:
             than a hundred thousand blocks.
         """
         check_whole("times", times, 1)
-        if len(self._blocks) == 1:
-            t, v, repeats = self._blocks[0]
-            return Waveform([(t, v, repeats * int(times))])
-        if len(self._blocks) * times <= _MOST_BLOCKS:
-            return self._of(self._blocks * int(times))
-        raise ScenarioError(
-            f"repeats within repeats would need more than {_MOST_BLOCKS} blocks: "
-            "repeat less, or fewer different pieces"
-        )
+        blocks = self._core.blocks
+        if len(blocks) * times > _MOST_BLOCKS and len(blocks) > 1:
+            raise ScenarioError(
+                f"repeats within repeats would need more than {_MOST_BLOCKS} blocks: "
+                "repeat less, or fewer different pieces"
+            )
+        if len(blocks) == 1:
+            ((t, v, repeats),) = blocks
+            return self._of(_core.VoltageProgram([(t, v, repeats * int(times))]))
+        return self._of(_core.VoltageProgram(blocks * int(times)))
 
     def points(self) -> tuple[Array, Array]:
         """All points with every repeat in full: times (n,) in s and voltages (n, 5) in V.
@@ -374,7 +370,7 @@ class Waveform:
         """
         times, voltages = [], []
         start = 0.0
-        for t, v, repeats in self._blocks:
+        for t, v, repeats in self.blocks:
             # Each repeat ends at the very number at which the next begins.
             bounds = start + float(t[-1]) * np.arange(repeats + 1)
             played = np.minimum(bounds[:-1, None] + t, bounds[1:, None])
@@ -392,7 +388,7 @@ class Waveform:
     def __add__(self, other: Waveform) -> Waveform:
         if not isinstance(other, Waveform):
             return NotImplemented
-        return self._of(self._blocks + other._blocks)
+        return self._of(_core.VoltageProgram(self._core.blocks + other._core.blocks))
 
     def __mul__(self, times: int) -> Waveform:
         return self.repeat(times)
@@ -401,7 +397,7 @@ class Waveform:
 
     def _key(self) -> tuple[tuple[bytes, bytes, int], ...]:
         # Adding 0 makes a negative zero a positive one, which is equal to it.
-        return tuple(((t + 0.0).tobytes(), (v + 0.0).tobytes(), n) for t, v, n in self._blocks)
+        return tuple(((t + 0.0).tobytes(), (v + 0.0).tobytes(), n) for t, v, n in self.blocks)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Waveform) and self._key() == other._key()
@@ -410,11 +406,12 @@ class Waveform:
         return hash(self._key())
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Waveform, (self._blocks,)
+        return Waveform, (self.blocks,)
 
     def __repr__(self) -> str:
-        count = sum(len(t) for t, _, _ in self._blocks)
-        return f"<Waveform: {self.duration:g} s, {len(self._blocks)} block(s), {count} points>"
+        blocks = self.blocks
+        count = sum(len(t) for t, _, _ in blocks)
+        return f"<Waveform: {self.duration:g} s, {len(blocks)} block(s), {count} points>"
 
 
 def _five(voltages: Voltages) -> list[float]:
@@ -430,7 +427,7 @@ def _five(voltages: Voltages) -> list[float]:
     return values.tolist() or [0.0] * len(COIL_NAMES)
 
 
-def _frozen_block(times: ArrayLike, voltages: ArrayLike, repeats: int) -> _Block:
+def _block(times: ArrayLike, voltages: ArrayLike, repeats: int) -> _Block:
     check_indexes("", {"t": times, "voltages": voltages})
     t = numbers("t", times, "finite numbers of s", unit="s")
     v = in_columns("voltages", voltages, COIL_NAMES, "finite numbers of V", unit="V")
@@ -438,52 +435,24 @@ def _frozen_block(times: ArrayLike, voltages: ArrayLike, repeats: int) -> _Block
         raise ScenarioError(
             f"times of shape {t.shape} and voltages of shape {v.shape}: allowed are (n,) and (n, 5)"
         )
-    risen = np.maximum.accumulate(t)
-    t = locked(np.where(risen - t <= _ROUNDING * risen, risen, t))
-    _check_points(t, v)
     check_whole("repeats", repeats, 1)
     return t, v, int(repeats)
 
 
 def _interpolated(local: Array, times: Array, voltages: Array) -> Array:
     """Voltages of one block at times within it; at a jump the value after it."""
-    index = np.clip(np.searchsorted(times, local, side="right") - 1, 0, len(times) - 2)
-    first, last = times[index], times[index + 1]
-    width = np.where(last > first, last - first, math.inf)
-    part = np.where(last > first, (local - first) / width, 1.0)
-    part = np.clip(part, 0.0, 1.0)[..., np.newaxis]
-    return voltages[index] * (1.0 - part) + voltages[index + 1] * part
+    return np.stack([np.interp(local, times, coil) for coil in voltages.T], axis=-1)
 
 
-def _check_points(t: Array, v: Array, lines: Sequence[int | str] | None = None) -> None:
-    """Refuse points that are no program, by their lines if they are of a file.
-
-    Times have shape (n,), s, and voltages (n, 5).
-    """
-
-    def name(k: int) -> str:
-        return f"point {k + 1}" if lines is None else f"row {lines[k]}"
-
-    if len(t) < 2:
-        raise ScenarioError(f"{counted(len(t), 'row')} of voltages: allowed are two points or more")
-    if t[0] != 0.0:
-        raise ScenarioError(f"{name(0)}: t = {float(t[0])!r}: the first time has to be at 0 s")
-    falls = np.flatnonzero(t[1:] < (1.0 - _ROUNDING) * t[:-1])
-    if len(falls):
-        before, time = map(float, t[falls[0] : falls[0] + 2])
-        raise ScenarioError(
-            f"{name(falls[0] + 1)}: t = {time!r} s follows {before!r} s: times must not fall"
-        )
-    if t[-1] == 0.0:
-        raise ScenarioError(f"{name(len(t) - 1)}: t = 0.0: no duration; allowed is above 0 s")
+def _refuse_third_points(t: Array, v: Array) -> None:
     # Not counting points that repeat another: only the first and the last of them would count.
     kept = np.flatnonzero(_differing(t, v))
     third = np.flatnonzero(t[kept][2:] == t[kept][:-2])
     if len(third):
         at = int(kept[third[0] + 2])
         raise ScenarioError(
-            f"{name(at)}: third point at t = {float(t[at])!r}: allowed are two, a jump; are the "
-            "times rounded, or in ms?"
+            f"point {at + 1}: third point at t = {float(t[at])!r}: allowed are two, a jump; are "
+            "the times rounded, or in ms?"
         )
 
 

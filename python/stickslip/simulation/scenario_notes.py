@@ -53,4 +53,4 @@ def _of_files(scenario: Scenario) -> Iterator[Note]:
 
 def peak_voltages(scenario: Scenario) -> dict[str, float]:
     """Largest magnitude of the voltage that the drive asks of each coil, V."""
-    return dict(zip(_core.coil_names, scenario.to_core().asked_voltages(), strict=True))
+    return dict(zip(_core.coil_names, scenario.to_core().commanded_voltages(), strict=True))

@@ -155,7 +155,7 @@ def _of_pulses(scenario: Scenario, core: _core.Scenario) -> list[Note]:
     if drive.kind == "none":
         return []
     if drive.kind == "program":
-        lasting = shortest_tooth(core.program())
+        lasting = shortest_tooth(core.program().blocks)
         meant = "are the times of the voltages in ms? Divide them by 1000"
     slowest = max(time_constants(scenario, core).values())
     if not max(LONG_PULSE, MANY_TIME_CONSTANTS * slowest) < lasting < math.inf:
