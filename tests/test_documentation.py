@@ -11,12 +11,17 @@ import pytest
 from blind import own, twins
 from blind.scoring import Case, read
 from blind.study import lines
+from causes.__main__ import ANSWERS
+from causes.make import TRUTH
+from causes.score import judged
+from report_keys import WORDS, reference
 from scores import CLAIMS
 
 import stickslip
 from documentation_blocks import DOCS, PAGES, ROOT, blocks, by_name, pages, play
 from own_effects import nothing_stays  # noqa: F401
 from stickslip import Drive, Scenario, simulate
+from stickslip.cli import BAD_INPUT, FAILED, INTERRUPTED
 from stickslip.scenario.effects import is_free_shape
 from test_reference_agreement import AGREEMENT, SCENARIOS
 
@@ -93,6 +98,34 @@ def test_every_table_of_measurements_is_there_with_its_day_machine_and_command()
         assert re.fullmatch(r"\d{4}-\d\d-\d\d", result["date"]), name
         assert result["machine"]["processor"], name
         assert result["command"] in text, name
+
+
+def test_the_page_for_assistants_has_each_verdict_and_exit_status_and_names_keys():
+    text = (DOCS / "agents.md").read_text()
+    statuses = {int(each) for each in re.findall(r"^\| (\d+) \|", text, re.MULTILINE)}
+    assert statuses == {0, FAILED, BAD_INPUT, INTERRUPTED}
+    first = re.findall(r"^\| `([\w-]+)` \| ", text, re.MULTILINE)
+    assert first == ["verdict", *WORDS["verdict"]]
+    named = {*re.findall(r"`([\w-]+)`", text)} - {*WORDS["verdict"], "sd"}
+    assert named <= {*reference()}
+
+
+def beside_other_tools():
+    """Counts of the benchmark of named causes, walkers apart, as the README has them."""
+    truths = {name: truth for name, truth in json.loads(TRUTH.read_text()).items()
+              if truth["cause"] and not name.startswith("walker")}  # fmt: skip
+    yield f"on {len(truths)} questions about logs of five machines"
+    for tool, words in (("best-BIC", "least squares, best BIC"), ("stepwise-F", "stepwise F-tests"),
+                        ("stickslip", "stickslip")):  # fmt: skip
+        answers = json.loads((ANSWERS / f"{tool}.json").read_text())
+        said = {listed: [judged(answers[name], truth).outcome for name, truth in truths.items()
+                         if truth["listed"] is listed] for listed in (True, False)}  # fmt: skip
+        yes, no = said[True], said[False]
+        yield (
+            f"| {words} | {yes.count('right name')} of {len(yes)} |"
+            f" {yes.count('right set') + yes.count('large set')} | {yes.count('wrong name')} |"
+            f" {no.count('wrong name')} of {len(no)} | {no.count('wrong set')} |"
+        )
 
 
 def measured_words():
@@ -220,8 +253,9 @@ def measured_words():
             f"creeps by {1e3 * creep['mujoco, step 40 us, impratio 1']:.1f} um in a second",
             "{:.0f} to {:.0f} times faster than SciPy's".format(*np.round(scipy[::2], -1)),
             f"{heyoka[0]:.1f} to {heyoka[-1]:.1f} times faster than heyoka",
-            f"{fast[1e-6]:.0f} simulated seconds per CPU second at `rtol` 1e-6",
-            f"{fast[1e-8]:.0f} at the default 1e-8",
+            f"{fast[1e-8]:.0f} simulated seconds per CPU second at the default `rtol` of 1e-8,"
+            f" {fast[1e-6]:.0f} at 1e-6",
+            *beside_other_tools(),
             *counts,
             counts_of_walkers[1],
             f"That is as of commit `{judged}`.",
@@ -287,8 +321,8 @@ def test_the_speeds_of_the_readme_are_those_of_the_film():
         for each in (film, film.replace({"drive.coils": "pairs"}))
     )
     said = " ".join((ROOT / "README.md").read_text().split())
-    assert f"walks at {single:.2g} mm/s (pulses of 50 Hz)" in said
-    assert f"stick-slip alone gives {pairs:.2g} mm/s" in said
+    assert f"walks at {single:.2g} mm/s (50 Hz, base 0.3 mT)" in said
+    assert f"the walk alone makes {pairs:.2g} mm/s" in said
 
 
 def test_the_answers_of_the_exercises_are_what_is_simulated():

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import brentq
 
 from helpers import FLIGHT
-from stickslip import Robot, Scenario, load, simulate
+from stickslip import Coil, Robot, Scenario, load, simulate
 from stickslip.scenario.matter import LIQUIDS, MATERIALS, left_out, wall_factors
 
 OIL = "silicone oil 100 cSt"
@@ -50,6 +50,21 @@ def test_a_robot_has_the_mass_and_moment_of_its_material(material):
     assert not [note for note in simulate(Scenario(robot=robot)).notes if note.code == "moment"]
     other = Robot.of(*SIZE, material=material, magnetization=5e5)
     assert (other.mass, other.magnetization) == (robot.mass, 5e5)
+
+
+def test_a_file_takes_the_words_of_a_robot_and_of_coils_beside_their_keys(tmp_path):
+    file = tmp_path / "own.toml"
+    file.write_text(
+        "stickslip = 1\n[drive]\n[robot]\nlength = 400e-6\nwidth = 200e-6\nheight = 150e-6\n"
+        'material = "SmCo5"\nmass = 9e-8\n[coil]\nfield_per_ampere = 0.8e-3\ndistance = 0.06\n'
+        "radius = 0.04\nresistance = 6\nrise_time = 4e-3\n[coil.clamp]\nresistance = 7\n"
+    )
+    robot = Robot.of(400e-6, 200e-6, 150e-6, material="SmCo5")
+    coil = Coil.of(
+        field_per_ampere=0.8e-3, distance=0.06, radius=0.04, resistance=6.0, rise_time=4e-3
+    )
+    own = {"robot.mass": 9e-8, "coil.clamp.resistance": 7.0}
+    assert load(file) == Scenario(robot=robot, coil=coil).replace(own)
 
 
 def test_a_fluid_is_plain_keys_and_may_be_set_again(tmp_path):

@@ -220,6 +220,8 @@ REFUSALS = [
     ("file", HEAD + 'direction = "x"\n', 'did you mean "+x"?'),
     ("file", HEAD + "[initial]\ncurrents = { xp = 1.0 }\n", "give initial.current_xp = 1.0, one"),
     ("file", HEAD + "[initial]\ncurrents = [1, 0, 0, 0, 0]\n", "give initial.current_xp = 1.0"),
+    ("file", HEAD + '[robot]\nmaterial = "gold"\n', "robot.length is missing: robot.material"),
+    ("file", HEAD + "[coil]\nradius = 0.04\n", "coil.field_per_ampere is missing: coil.radius"),
     ("file", HEAD + "fluid = 3\n", "drive.fluid = 3"),
     ("file", 'stickslip = 1\nfluid = "water"\n[drive]\n', "allowed is a section [fluid]"),
     ("file", HEAD + "[fluid]\ndensity = 9e3\nviscosity = 1.0\n", "it floats"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,7 +12,7 @@ from stickslip._util.files import read_bytes, text_writer, write_together
 from stickslip._util.messages import refuse, shown, suggestion
 from stickslip._util.text import printable, quoted
 from stickslip._util.toml import parse_toml
-from stickslip.errors import ScenarioError
+from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.effects import flat_effects
 from stickslip.scenario.held import OBJECTS, PATHS, TABLES, with_files
 from stickslip.scenario.keys import (
@@ -25,7 +26,7 @@ from stickslip.scenario.keys import (
     known_keys,
 )
 from stickslip.scenario.law import flat_laws, law_lines, laws_of
-from stickslip.scenario.sections import SECTIONS
+from stickslip.scenario.sections import SECTIONS, Coil, Robot
 from stickslip.scenario.uncertain import JointPrior
 
 FORMAT_VERSION = 1
@@ -86,7 +87,7 @@ def stated(document: Mapping[str, Any], folder: Path | None) -> Stated:
         elif name == "laws":
             changes |= flat_laws(content)
         elif name not in (*TABLES, "uncertain"):
-            _flatten(name, content, changes)
+            _flatten(name, _made(name, content), changes)
     if "drive" not in document:
         raise ScenarioError("[drive] is missing: it is required, if only as an empty section")
     if folder is None:
@@ -94,6 +95,25 @@ def stated(document: Mapping[str, Any], folder: Path | None) -> Stated:
     files = [] if folder is None else with_files(changes, folder)
     held = {key: each.read(document[key]) for key, each in TABLES.items() if key in document}
     return Stated(changes, held, document.get("uncertain"), files)
+
+
+def _made(section: str, table: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The keys of a section that has words of `Robot.of` or `Coil.of`; others count as they are."""
+    make: Any = {"coil": Coil.of, "robot": Robot.of}.get(section)
+    if make is None:
+        return table
+    words = inspect.signature(make).parameters
+    keys = [key.name.rpartition(".")[2] for key in keys_of(section)]
+    first = next((name for name in table if name in words and name not in keys), None)
+    if first is None:
+        return table
+    for name, word in words.items():
+        if word.default is word.empty and name not in table:
+            raise ScenarioError(f"{section}.{name} is missing: {section}.{first} asks for it")
+    with prefixed(f"[{section}]"):
+        made = make(**{name: table[name] for name in words if name in table})
+    others = {name: value for name, value in table.items() if name not in words}
+    return {key: getattr(made, key) for key in keys} | others
 
 
 def _flatten(section: str, table: Mapping[str, Any], changes: dict[str, Any]) -> None:
