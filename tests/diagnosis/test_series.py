@@ -400,3 +400,28 @@ def test_the_time_of_an_edge_is_no_finer_than_the_readings():
     low, high = found.conf_int().loc["step.time", ["low", "high"]]
     assert low < 20.0 < 21.0 < high  # all places in the gap are alike
     assert found.params.loc["step.height", "sd"] < 0.001
+
+
+def test_a_search_of_a_long_record_begins_with_its_first_readings(monkeypatch):
+    count, of = 4500, random(7)
+    t, u = STEP * np.arange(count), of.uniform(-1.0, 1.0, count)
+    log = Series(t, 2.1 * u + 0.1 * u**2 + 0.3 * of.standard_normal(count), {"u": u}, sd=0.3)
+    slope = Parameter("slope", Prior("normal", 2.0, 0.2), cause=False)
+    causes = [Cause(name, Parameter(name, size=0.1, low=-3.0, high=3.0)) for name in ("bend", "on")]
+
+    def line(record, p, begin=300.0):
+        on = p["on"] * (record.t > begin)
+        return p["slope"] * record["u"] + p["bend"] * record["u"] ** 2 + on
+
+    def late(record, p):  # what begins behind the first readings is not seen there
+        return line(record, p, 800.0)
+
+    short = [len(posed(log, each, [slope], causes).short.y) for each in (line, late)]
+    assert short == [2000, count]
+    found = diagnose_model(line, log, [slope], causes)
+    monkeypatch.setattr("stickslip.diagnosis.model._FIRST", count)
+    whole = diagnose_model(line, log, [slope], causes)
+    assert found.verdict.causes == whole.verdict.causes == ("bend",)
+    for names in ((), ("bend",), ("on",)):
+        costs = [one.findings.models.get(names).cost for one in (found, whole)]
+        assert costs[0] == pytest.approx(costs[1], abs=0.02)

@@ -163,6 +163,8 @@ class CsvTable:
         self._rows = self._parsed(self._lines)
         if not self.line:
             self.line, self.header = next(self._rows)
+        if len(self.header) > MOST_COLUMNS:  # before all of them are looked at
+            raise ScenarioError(f"{len(self.header)} columns; allowed are {MOST_COLUMNS}")
         self._take_units()
         if len(self.header) == 1 and " " in split_unit(self.header[0])[0]:
             names = textwrap.shorten(self.header[0], 60, placeholder=" ...")

@@ -115,9 +115,12 @@ def prepared(
     if tables != problem.tables:
         problem = posed(tables, predict, *stated)
     lost = (note for table in problem.tables for note in table.own_notes)
-    fault = next((note for note in lost if note.code == LOST_SENSOR), None) or unit_fault(
-        problem, lambda other: bare_problem(other, predict, *terms(other)), _units(predict), seed
-    )  # fmt: skip
+    fault = next((note for note in lost if note.code == LOST_SENSOR), None)
+    for each in dict.fromkeys((problem.short, problem)) if fault is None else ():
+        fault = unit_fault(each, lambda other: bare_problem(other, predict, *terms(other)),
+                           _units(predict), seed)  # fmt: skip
+        if fault is None:
+            break
     return problem, fault
 
 

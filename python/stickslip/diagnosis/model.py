@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import inspect
 import itertools
 import math
@@ -49,6 +50,9 @@ _MEANT = {
 
 _AT_ONCE = 1 << 19  # numbers of a block of predictions: 4 MiB; chosen
 _MOST_LOST = 0.1  # part of the rows that the model may not compute; chosen
+# Readings that a search of a record begins with, at least; how far their predictions may differ, in
+# the scatter of all; and the part of the usual changes in all that they have to see. Chosen.
+_FIRST, _SAME_FIRST, _AS_LARGE = 2000, 1e-6, 0.5
 _FEWEST_VALUES = 8  # different readings of a copy; chosen: a coarse meter may read fewer twice
 _SAME = 1e-9  # part of the readings by which two equal calls may differ; chosen: rounding
 
@@ -101,7 +105,7 @@ def posed(
     if not np.allclose(once, again, _SAME, _SAME * np.nanmax(np.abs(once)), equal_nan=True):
         text = "allowed is a function of its arguments alone; fix the seed of its random numbers"
         raise ScenarioError(f"predict: it returns other readings when it is called again: {text}")
-    return with_measured_fineness(problem)
+    return _with_short(with_measured_fineness(problem))
 
 
 def bare_problem(
@@ -127,6 +131,40 @@ def bare_problem(
     model = ForwardModel(predict, low_fidelity, tuple(constants), (*named, *freed(fitted)))
     _check_predict(predict, model)
     return Problem(records, constants=fitted, **_of_model(model, records, fitted))
+
+
+def _with_short(problem: Problem) -> Problem:
+    """The problem of a long record whose first readings tell each coordinate as well as the others.
+
+    Their predictions have to be the same, and so has, nearly, what the usual size of a coordinate
+    changes in the mean.
+    """
+    (table, *others), count = problem.tables, _FIRST
+    record = isinstance(table, Series) and not others and table.whole is None
+    if not record or len(table) < 2 * _FIRST:
+        return problem
+    points = np.vstack([np.zeros(problem.size), np.diag(np.clip(1.0, *problem.limits))])
+    values = problem.physical(points)
+    with np.errstate(all="ignore"), contextlib.suppress(ScenarioError):  # a model of one record
+        whole, size = problem.model(values), np.std(table.y)
+        while 2 * count <= len(table):
+            shortened = partial(_of_first, count)
+            first = shortened(problem).model(values)
+            changes = [np.sqrt(np.mean((each - each[0]) ** 2, axis=1)) for each in (first, whole)]
+            same = np.all(np.abs(first - whole[:, :count]) <= _SAME_FIRST * size)
+            if same and np.all(changes[0] >= _AS_LARGE * changes[1]):
+                return replace(problem, shortened=shortened)
+            count *= 2
+    return problem
+
+
+def _of_first(count: int, problem: Problem) -> Problem:
+    tables = tuple(table.first_readings(count) for table in problem.tables
+                   if isinstance(table, Series))  # fmt: skip
+    of_tables: Any = problem.model.anew if isinstance(problem.model, Cached) else None
+    model = Cached(partial(of_tables.func, tables, *of_tables.args[1:]))
+    return replace(problem, tables=tables, model=model, draft=None, errors=(), roughness=None,
+                   shortened=None)  # fmt: skip
 
 
 def tables_in(key: str, given: Any) -> Sequence[Table]:
@@ -163,7 +201,7 @@ def _of_model(
 
 def _wider(model: ForwardModel, problem: Problem, more: Sequence[Cause]) -> Problem:
     made = replace(model, causes=(*model.causes, *more))
-    return replace(problem, **_of_model(made, problem.tables, problem.constants))
+    return replace(problem, shortened=None, **_of_model(made, problem.tables, problem.constants))
 
 
 def computed_tables(problem: Problem, seed: int) -> tuple[Table, ...]:

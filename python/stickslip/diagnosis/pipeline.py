@@ -41,7 +41,8 @@ def run(
     exact = models.forms["exact"]
     effects = responses(problem, null.end, (), problem.causes, exact, null.h)
     test = tested(problem, null, effects, seed)
-    screened(models, effects)
+    if fault is not None or not test.misfit:  # else a search says more
+        screened(models, effects)
     if fault is None and (test.misfit or posterior(models).has_cause):
         models = Models(problem, problem.causes)
         models.add(null)

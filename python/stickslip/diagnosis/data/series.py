@@ -239,6 +239,13 @@ class Series(Table):
         made._take(self.t, self.y, self.inputs, sd, ~gone)
         return made._less(self, ~gone, why)
 
+    def first_readings(self, count: int) -> Series:
+        """The beginning of the record, with its errors as they are."""
+        kept, made = np.arange(len(self)) < count, self.having()
+        vars(made).pop("named_settings", None)
+        made._take(self.t, self.y, self.inputs, self.errors.sd, kept)
+        return made.having(errors=replace(self.errors, sd=self.errors.sd[kept]))
+
     def converted(self, column: str, per: float, zero: float = 0.0) -> Self:
         """The same with a column in SI that was in another unit; see `Table`."""
         made = super().converted(column, per, zero)

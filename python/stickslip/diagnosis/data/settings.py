@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import statistics
 from collections.abc import Mapping
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ class Settings(dict[str, tuple[list[Any], str]]):
     def __init__(self, columns: Mapping[str, tuple[list[Any], str]], count: int) -> None:
         super().__init__(columns)
         self.count = count
+        self._digits = dict[str, int]()  # of `text`, as they are asked for
 
     @property
     def varied(self) -> list[str]:
@@ -59,7 +61,10 @@ class Settings(dict[str, tuple[list[Any], str]]):
             return f"{name} {values[0]}"
         every, unit = self[name]
         factor, shown = handy(unit)
-        texts = [f"{float(one) * factor:.{digits_for(every)}g}" for one in dict.fromkeys(values)]
+        if name not in self._digits:
+            self._digits[name] = digits_for(every)
+        digits = self._digits[name]
+        texts = [f"{float(one) * factor:.{digits}g}" for one in dict.fromkeys(values)]
         return f"{name} {' to '.join(texts)} {shown}".rstrip()
 
     @property
@@ -76,7 +81,7 @@ class Settings(dict[str, tuple[list[Any], str]]):
                 result[name] = value if 2 * values.count(value) > len(values) else None
         return result
 
-    @property
+    @cached_property
     def words(self) -> list[str]:
         """Each condition by its words, the number that varies most, and those that are unusual."""
         usual = self.usual

@@ -136,7 +136,8 @@ def tested(problem: Problem, null: Fit, responses: list[Response], seed: int) ->
     directions -= (directions @ basis) @ basis.T
     size = np.linalg.norm(directions, axis=1)
     seen = size > _UNSEEN
-    directions, either = directions[seen] / size[seen, None], either[seen]
+    directions, either = directions[seen], either[seen]
+    directions /= size[seen, None]  # in place, as of a long log they are large
 
     def largest(rows: Array) -> Array:
         found = rows @ directions.T
@@ -170,16 +171,16 @@ def tested(problem: Problem, null: Fit, responses: list[Response], seed: int) ->
 def _directions(problem: Problem, p: int, responses: Sequence[Response]) -> tuple[Array, Mask]:
     """What causes do to the whitened rows and the prior of `p` constants, and whether its opposite
     counts, too."""
-    n = len(problem.y)
-    parts, either = [np.zeros((0, n + p))], [np.zeros(0, dtype=bool)]
-    for response in {response.cause.name: response for response in responses}.values():
-        changes = problem.whitened(response.tried.T).T
-        parts.append(np.hstack([changes, np.zeros((len(changes), p))]))
-        either.append(response.either)
+    n, one_each = len(problem.y), {each.cause.name: each for each in responses}.values()
+    count = sum(len(each.tried) + each.cause.is_constant for each in one_each)
+    found, either, end = np.zeros((count, n + p)), np.ones(count, dtype=bool), 0
+    for response in one_each:
+        part = slice(end, end := end + len(response.tried))
+        found[part, :n], either[part] = problem.whitened(response.tried.T).T, response.either
         if response.cause.is_constant:
-            parts.append(np.arange(n + p)[None] == n + problem.at(response.cause))
-            either.append(np.ones(1, dtype=bool))
-    return np.vstack(parts), np.concatenate(either)
+            found[end, n + problem.at(response.cause)] = 1.0
+            end += 1
+    return found, either
 
 
 def _shares(values: Array, observed: float) -> tuple[Array, float]:

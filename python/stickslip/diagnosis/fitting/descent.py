@@ -118,8 +118,8 @@ def descend(
     longest = np.where(linear, DESCENT.linear_step, DESCENT.step)[free]
     factor, softer, fall, count = 1.0, 1.0, 0.0, 0.0
     while count < steps:
-        prepared = form.prepared(np.column_stack([slopes, residual]))
-        gram = form.weighted(prepared, residual, h)
+        # What is prepared is not kept while other searches run.
+        gram = form.weighted(form.prepared(np.column_stack([slopes, residual])), residual, h)
         curvature = gram[:-1, :-1] + precision
         downhill = gram[:-1, -1] - precision @ x[free]
         room = np.maximum(low - x[free], -longest), np.minimum(high - x[free], longest)
@@ -149,10 +149,10 @@ def descend(
             softer = 1.0
         crawls = count >= DESCENT.crawl and fall > max(DESCENT.crawl_fall, DESCENT.crawl_part * now)
         count += DESCENT.crawl_counts if crawls else 1.0
-        learnt = _updated(slopes, residual - made, move, problem.sd)
         if fall > 0.0:
+            slopes = _updated(slopes, residual - made, move, problem.sd)
             x, residual, now = there, made.copy(), now - fall
-            slopes, was_exact, exact, factor = learnt, exact, False, 1.0
+            was_exact, exact, factor = exact, False, 1.0
             if fall < DESCENT.settled and (was_exact or hoped < DESCENT.settled):
                 break
             if fall > DESCENT.good * hoped:

@@ -94,6 +94,8 @@ class Problem(OneLine):
         Scatter of the model itself, in the units of the rows, as a further independent error.
     finer : dict of float
         Fineness as measured, by name of the parameter; empty for simulations.
+    shortened : callable, optional
+        Of a long record, ``shortened(problem)`` is the problem of its beginning.
     """
 
     tables: tuple[Table, ...]
@@ -109,10 +111,16 @@ class Problem(OneLine):
     errors: tuple[Errors, ...] = ()
     roughness: Array | None = None
     finer: Mapping[str, float] = field(default_factory=dict, repr=False)
+    shortened: Callable[[Problem], Problem] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         if not self.errors:
             object.__setattr__(self, "errors", tuple(table.errors for table in self.tables))
+
+    @cached_property
+    def short(self) -> Problem:
+        """The problem in which a search begins: of fewer readings, or this one."""
+        return self if self.shortened is None else self.shortened(self)
 
     # ------------------------------------------------------------------ parameters
     @cached_property

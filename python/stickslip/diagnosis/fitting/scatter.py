@@ -17,7 +17,7 @@ from stickslip.diagnosis.fitting.forms import Exact
 from stickslip.diagnosis.fitting.options import SEARCH
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.responses import Response, responses
-from stickslip.diagnosis.fitting.starts import recalibrated, separated
+from stickslip.diagnosis.fitting.starts import recalibrated, seen_in, separated
 
 # Rounds of fit and scatter and steps of each; ends beside the recalibrated model about which single
 # causes are tried, steps of a look from each of them, looks that are followed, and looks of each
@@ -44,18 +44,23 @@ def with_scatter(problem: Problem, seed: int) -> Problem:
         return problem
     null, ends = recalibrated(problem, seed)
     problem = _scattered(problem, unknown, null.residual, len(null.free))
-    form, h = Exact(problem), np.zeros(0)
-    views = [null.end, *in_step(problem, [end_at(problem, (), end.x) for end in ends[:_VIEWS]])]
+    short = problem.short
+    form, h = Exact(short), np.zeros(0)
+    views = [seen_in(short, null).end]
+    views += in_step(short, [end_at(short, (), end.x) for end in ends[:_VIEWS]])
     effects = list[Response]()
     for view in views:
-        every = responses(problem, view, (), problem.causes, form, h)
+        every = responses(short, view, (), problem.causes, form, h)
         for cause in problem.causes:
             effects += [effect for effect in every if effect.cause is cause][:_OF_CAUSE]
     # With its own cause alone, as all together have many slopes.
-    looks = [walk(problem, form, h, [effect.cause], effect.x, steps=_LOOK, slopes=effect.slopes)
+    looks = [walk(short, form, h, [effect.cause], effect.x, steps=_LOOK, slopes=effect.slopes)
              for effect in separated(effects, lambda effect: effect.x, SEARCH.apart)]  # fmt: skip
-    ends = sorted(in_step(problem, looks), key=lambda end: end.cost)
+    ends = sorted(in_step(short, looks), key=lambda end: end.cost)
     starts = [*(end.x for end in ends[: _FOLLOWED - 1]), null.x]
+    for steps in (_LOOK, _STEPS) if short is not problem else ():
+        walks = [walk(short, form, h, problem.causes, x, steps=steps) for x in starts]
+        starts = [min(in_step(short, walks), key=lambda end: end.cost).x]
     while True:
         for _ in range(_ROUNDS if unknown else 1):
             form = Exact(problem)

@@ -30,7 +30,7 @@ from stickslip.diagnosis.fitting.models import (
 from stickslip.diagnosis.fitting.options import DESCENT, SEARCH
 from stickslip.diagnosis.fitting.problem import Problem, lack_of_fit
 from stickslip.diagnosis.fitting.responses import USUAL, Response, responses
-from stickslip.diagnosis.fitting.starts import first_looks, looked, separated, softened
+from stickslip.diagnosis.fitting.starts import first_looks, looked, seen_in, separated, softened
 from stickslip.diagnosis.terms.cause import Cause
 
 Progress = Callable[[float, str], None]
@@ -284,17 +284,19 @@ def _worth_a_look(models: Models) -> list[Fit]:
 
 def _fit_singles(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -> None:
     """A fit of each cause by itself, begun where first looks promise most."""
-    problem = models.problem
-    every = first_looks(problem, models.null, ends, causes)
-    looks = in_step(problem, [looked(problem, *look) for look in every[:1]])
-    near = (end for end, _ in looks if is_near_data(problem, end.residual))
+    problem, short = models.problem, models.problem.short
+    every = first_looks(short, seen_in(short, models.null), ends, causes)
+    looks = in_step(short, [looked(short, *look) for look in every[:1]])
+    near = (end for end, _ in looks if is_near_data(short, end.residual))
     rival = next(near, None)
-    looks += in_step(problem, [looked(problem, *look, rival) for look in every[1:]])
+    looks += in_step(short, [looked(short, *look, rival) for look in every[1:]])
     looks.sort(key=lambda look: look[0].cost)
     first = {cause.name: (end, cause) for end, cause in reversed(looks)}
-    hopeful = [look for look in looks if look[0].cost < looks[0][0].cost + SEARCH.margin]
+    margin = SEARCH.margin * len(short.y) / len(problem.y)
+    hopeful = [look for look in looks if look[0].cost < looks[0][0].cost + margin]
     hopeful += [look for look in first.values() if look not in hopeful]
-    fits = [Start("exact", (cause,), end.x, end.slopes) for end, cause in hopeful]
+    fits = [Start("exact", (cause,), end.x, end.slopes if short is problem else None)
+            for end, cause in hopeful]  # fmt: skip
     models.add_fits(fits[:1])
     models.add_fits(fits[1:])
     # The recalibrated model gets as many searches as its rivals, from where they are.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
@@ -18,6 +19,7 @@ from stickslip.diagnosis.fitting.descent import (
     costs_of,
     descend,
     end_at,
+    finished,
     in_step,
     precision_of,
     walk,
@@ -38,6 +40,7 @@ def recalibrated(problem: Problem, seed: int) -> tuple[Fit, list[End]]:
     Where the first starts end with a misfit, others from a second scan follow, of all strata of the
     constants that are known in range only: a wrong minimum would be taken for a hidden cause.
     """
+    whole, problem = problem, problem.short
     exact = forms(problem, ["exact"])["exact"]
     count = SEARCH.scan if len(problem.constants) > 1 else SEARCH.scan // 4
     starts = list(separated(_scan(problem, count, seed), lambda x: x, SEARCH.apart))
@@ -47,6 +50,9 @@ def recalibrated(problem: Problem, seed: int) -> tuple[Fit, list[End]]:
         again, more = _descended(problem, exact, _strata(problem, points))
         best = min((best, again), key=lambda fit: fit.cost)
         ends = sorted([*ends, *more], key=lambda end: end.cost)
+    if whole is not problem:
+        exact = forms(whole, ["exact"])["exact"]
+        best = finished(whole, minimise(whole, exact, (), best.x))
     return best, ends
 
 
@@ -85,6 +91,15 @@ def _strata(problem: Problem, points: Array) -> list[Array]:
         place = np.searchsorted(edges[1:-1], points[:, k])
         chosen += [points[np.flatnonzero(place == stratum)[0]] for stratum in np.unique(place)]
     return chosen
+
+
+def seen_in(problem: Problem, fit: Fit) -> Fit:
+    """A fit as another problem of the same coordinates has it; its evidence stays."""
+    if len(fit.residual) == len(problem.y):
+        return fit
+    end = finished(problem, end_at(problem, fit.causes, fit.x))
+    chi2 = float(np.sum(problem.chi2_of_tables(end.residual[None, :])))
+    return replace(fit, residual=end.residual, slopes=end.slopes, chi2=chi2)
 
 
 def separated(

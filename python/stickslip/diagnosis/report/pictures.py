@@ -32,6 +32,7 @@ _MARKERS, _MOST_PANELS = "osD^v<>Ph*", 8
 _WIDTH = 4.9  # of a panel, inches: its letters can be read on a telephone
 _FEW = 3  # places of a setting below which nothing is seen over it
 _SAMPLES = 200  # points of a group from which on there are no signs and bars
+_STRETCHES = 1000  # of a line of more than four points each; chosen: one for half a dot of a page
 # Places between readings at which models are computed, and how far a model may be from what it is
 # known to predict at the readings, in their errors. Chosen: a smooth curve; no visible step.
 _BETWEEN, _SAME = 25, 0.3
@@ -279,7 +280,9 @@ class Plots:
             dense = len(rows) > _SAMPLES
             known = not dense and facts.problem.errors[panel.table].known
             bars = 2.0 * facts.problem.sd[rows] * factor if known else None
-            axes.errorbar(x, y, bars, fmt="." if dense else marker, color=BLACK, lw=1.1,
+            drawn = _outline(x, y)
+            dots = "." if len(drawn[0]) == len(x) else "-"  # two rows of dots would look as two
+            axes.errorbar(*drawn, bars, fmt=dots if dense else marker, color=BLACK, lw=1.1,
                           ms=2.0 if dense else 4.5, label=group or "measured",
                           zorder=1 if dense else 3)  # fmt: skip
             places, curves = self._between(panel, rows)
@@ -291,8 +294,8 @@ class Plots:
                 if name not in curves:
                     # Dots lead the eye along an order; nothing was computed between the readings.
                     dots = "-" if dense else ":" if np.all(np.diff(x) > 0.0) else "none"
-                    axes.plot(x, (of - below)[rows] * factor, ls=dots, ms=8, mew=1.6,
-                              marker="" if dense else "_", **look)  # fmt: skip
+                    line = _outline(x, (of - below)[rows] * factor)
+                    axes.plot(*line, ls=dots, ms=8, mew=1.6, marker="" if dense else "_", **look)
                     continue
                 level, sd = curves[name]
                 level = level - (0.0 if base is None else curves["recalibrated"][0])
@@ -307,6 +310,17 @@ class Plots:
         axes.set_title(panel.title, fontsize=11, fontweight="bold")
         axes.margins(x=0.07, y=0.12)
         plain_axes(axes)
+
+
+def _outline(x: Array, y: Array) -> tuple[Array, Array]:
+    """A line through the least and the largest point of each stretch, in their order; of few points
+    all of them.
+    """
+    if len(y) <= 4 * _STRETCHES:
+        return x, y
+    parts = np.array_split(np.arange(len(y)), _STRETCHES)
+    kept = np.unique([part[pick(y[part])] for part in parts for pick in (np.argmin, np.argmax)])
+    return x[kept], y[kept]
 
 
 def plain_axes(axes: Any) -> None:
