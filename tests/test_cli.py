@@ -19,8 +19,6 @@ from refusals.cli import REFUSALS, contents, lay_out
 from stickslip import Scenario, _core, effects, load, simulate
 from stickslip.simulation.quantities import NUMBERS
 
-TEXT = "stickslip = 1\n[drive]\nbase = 0.5e-3\npulses = 12\n"
-
 
 def printed(*arguments, **how):
     """The JSON object that a command prints."""
