@@ -34,7 +34,6 @@ from stickslip.walker.problem import posed_by
 
 SEED = 82
 DRIVES = [(mode, frequency) for mode in ("IPP", "OPP") for frequency in range(20, 105, 5)]
-ROUGH = {"effects.friction_anisotropy.fraction": 0.25}  # higher to the front
 BENT = 0.1  # of a velocity, by a wave over the frequencies: like no cause
 
 

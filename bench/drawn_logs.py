@@ -17,7 +17,7 @@ from pathlib import Path
 
 import drawn_tables
 import numpy as np
-from blind.scoring import interval
+from scores import interval
 
 from stickslip import ScenarioError, models
 

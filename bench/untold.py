@@ -22,7 +22,6 @@ from stickslip import Cause, Diagnosis, Parameter, Prior, Series, Table, diagnos
 Array = np.ndarray
 Values = dict[str, float]
 Predict = Callable[[Any, Any], Array]
-TRIED = 23000  # first of the seeds by which thresholds are chosen
 JUDGED = 27100  # first of the seeds that are counted
 
 

@@ -71,23 +71,10 @@ def walk_ipp():
 
 
 @pytest.fixture(scope="session")
-def walk_opp():
-    """A walk by pulses of the holding coil, which hops."""
-    drive = Drive(mode="OPP", base=0.0, hold=2.5e-3, pulses=12)
-    return simulate(Scenario(drive=drive, record=Record(rate=2000.0)))
-
-
-@pytest.fixture(scope="session")
 def steered():
     """A walk along a heading of 1.5 rad, in the whole plane."""
     drive = Drive(base=0.5e-3, pulses=5, heading=1.5)
     return simulate(Scenario(drive=drive, record=Record(rate=2000.0)))
-
-
-@pytest.fixture(scope="session")
-def tilted_walk(walk_ipp):
-    """A walk down a slope of 0.02 rad."""
-    return simulate(walk_ipp.scenario.replace({"effects.surface_tilt.angle": 0.02}))
 
 
 @pytest.fixture(scope="session")

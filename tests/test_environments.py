@@ -54,36 +54,6 @@ def test_the_checks_of_gymnasium_find_nothing(task):
         check_env(made.unwrapped)
 
 
-RED, BLUE = (213, 94, 0), (0, 114, 178)
-
-
-def where(picture, colour):
-    """Rows and columns of the pixels of a colour."""
-    return np.argwhere((picture == colour).all(axis=-1))
-
-
-@pytest.mark.parametrize("task", TASKS)
-@pytest.mark.daily("Walk", "Reach")
-def test_a_picture_shows_the_robot_where_it_is(task):
-    options = {"render_mode": "rgb_array", "max_episode_steps": 500}
-    env = gymnasium.make(f"stickslip/{task}-v0", **options)
-    env.reset(seed=3)
-    first = env.render()
-    assert (first.shape, first.dtype) == ((240, 400, 3), np.uint8)
-    rear = where(first, BLUE)
-    # A half of 125 um of some 3.75 um a pixel, or twice that from above.
-    pixel = (12 if task in ("Reach", "Follow") else 6) * 250e-6 / 400
-    side = 130e-6 if task in ("Reach", "Follow") else 100e-6
-    assert len(rear) == pytest.approx(125e-6 * side / pixel**2, rel=0.1)
-    assert rear[:, 1].mean() == pytest.approx(199.5 - 62.5e-6 / pixel, abs=1.0)
-    if task == "Walk":  # the front goes down as the clamp's field turns it
-        for _ in range(40):
-            env.step(np.float32([1.0, -1.0]))
-        front, rear = (where(env.render(), colour) for colour in (RED, BLUE))
-        assert front[:, 0].mean() > rear[:, 0].mean() + 3
-    assert gymnasium.make(f"stickslip/{task}-v0").unwrapped.render() is None
-
-
 def test_pictures_of_many_are_those_of_each():
     envs = RobotVectorEnv(3, "reach", render_mode="rgb_array", uncertain=UNCERTAIN)
     envs.reset(seed=5)

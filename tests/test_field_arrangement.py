@@ -23,7 +23,6 @@ SIGNED = [
     for order in itertools.permutations(range(3))
     for signs in itertools.product((1.0, -1.0), repeat=3)
 ]
-AS_GIVEN = np.eye(3)
 REVERSED = {axis: np.diag([-1.0 if axis == each else 1.0 for each in "xyz"]) for axis in "xyz"}
 
 

@@ -35,7 +35,6 @@ from stickslip import (
     plot,
     simulate,
     simulate_batch,
-    sweep,
     volts_per_tesla,
 )
 from stickslip.field.map_fit import _Basis
@@ -311,9 +310,3 @@ def test_the_coils_of_a_map_are_drawn_where_it_is(exact):
     assert np.abs(corners[..., 0]).max() == pytest.approx(8.0, rel=1e-9)
     assert np.abs(corners[..., 1]).max() == pytest.approx(3.0, rel=1e-9)
     assert "xp: 2 A" in axes.get_title()
-
-
-def test_what_is_no_map_is_refused_where_one_belongs(exact):
-    base = with_map(exact)
-    with pytest.raises(ScenarioError, match="not voltages or maps"):
-        sweep(base, {"coil.map": [exact]})

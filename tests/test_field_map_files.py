@@ -8,11 +8,10 @@ import pytest
 
 from command_line import check, stickslip
 from made_measurement import few_causes
-from measured_maps import COUNT, formula_fields, grid, with_map, write_csv
+from measured_maps import formula_fields, grid, with_map, write_csv
 from stickslip import (
     Coils,
     FieldMap,
-    Scenario,
     ScenarioError,
     diagnose,
     load,
@@ -207,8 +206,3 @@ def test_a_diagnosis_has_the_map_as_its_model(folder, monkeypatch):
     uncertain = '"coil.distance" = { mean = 0.1, sd = 0.01 }\n'
     with pytest.raises(ScenarioError, match=r"coil\.distance.* beside coil\.map"):
         diagnose(measured(folder, rows, uncertain), seed=0)
-
-
-def test_the_grid_of_the_tests_is_that_of_their_files(fields):
-    assert fields.shape == (np.prod(COUNT), 5, 3)
-    assert Scenario().coil.map is None

@@ -97,7 +97,6 @@ def clocks(begin, template, count=N):
 
 SEASON = dates(10**9, "2026-10-25 02:59:00", 60) + dates(10**9, "2026-10-25 02:00:00", 60)
 ANGLE = 6.0 * T + np.sin(T)
-COUNTED = np.round(1e4 * T).astype(np.int64)
 
 # A kind: its columns, a model, and the times or readings that are right, with the code of a note
 # where one has to be; or the words of a refusal.

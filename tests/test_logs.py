@@ -4,6 +4,7 @@ import json
 import os
 import re
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,8 @@ import pytest
 from command_line import COMMAND, stickslip
 from report_page import without_pictures
 from stickslip import Cause, Parameter, Prior, ScenarioError, Series, models
+from stickslip.diagnosis.fitting.scatter import with_scatter
+from stickslip.diagnosis.model import posed
 
 T = 0.02 * np.arange(150)
 TORQUE = np.where(np.sin(3.0 * T) + np.sin(7.0 * T) > 0.0, 1.0, -1.0)
@@ -408,6 +411,19 @@ def test_the_file_of_init_finds_a_hidden_cause(name, tmp_path):
     assert report["name"] == "log.csv"
     page = without_pictures(tmp_path / "found" / "report.html").casefold()
     assert model.kind.every[cause].meaning.casefold() in page
+
+
+def test_errors_of_a_log_are_those_of_the_best_fit_of_all_causes():
+    # A stiff spring moves the last of eight periods far. From the recalibrated model alone the fit
+    # ends at 600 times the error.
+    spring = models.oscillator(mass=1.0, stiffness=(25.0, 1.0), viscous=(0.1, 0.02))
+    t = np.linspace(0.0, 10.0, 300)
+    y = spring.simulate(t, {}, stiffness=25.6, cubic_stiffness=15.0, start_position=1.0)
+    y += 0.02 + 1e-3 * np.random.default_rng(1).standard_normal(len(t))
+    log = Series(t, y, unit="m")
+    log = log.having(errors=replace(log.errors, sd=np.full(len(t), np.std(y)), dof=0.0))
+    found = with_scatter(posed([log], spring, *spring.terms(log)), 0)
+    assert found.sd[0] == pytest.approx(1e-3, rel=0.25)
 
 
 OWN = """

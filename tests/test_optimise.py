@@ -1,6 +1,5 @@
 """Design of drives: known optima, limits in every draw, seeds, the reference sawtooth, Ctrl-C."""
 
-import dataclasses
 import sys
 from types import SimpleNamespace
 
@@ -445,17 +444,6 @@ def test_a_program_has_no_sawtooth():
                      evaluations=20)  # fmt: skip
     assert found.sawtooth is None
     assert "sawtooth" not in found.table.index
-
-
-def test_the_picture_of_many_numbers_shows_those_that_matter_most(few):
-    found = optimise(START, knots=7, limits={"voltage_max": 26.0}, maximise="mean_velocity",
-                     evaluations=20)  # fmt: skip
-    assert len(found.landscape) == 14
-    shown = dataclasses.replace(found, scenario=found.scenario.with_uncertain(RESISTANCE)).figure()
-    spans = {each["name"]: np.ptp(each["scores"]) for each in found.landscape.to_dict("records")}
-    most = sorted(spans, key=spans.get)[2:]
-    titles = {axes.get_title().removesuffix(" (V)") for axes in shown.axes}
-    assert titles - {""} == {*most}
 
 
 def test_words_alone_and_a_map_are_written(few, tmp_path):

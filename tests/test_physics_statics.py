@@ -26,7 +26,6 @@ from helpers import (
 from stickslip import Coils, Waveform
 
 STICK_ON_A_CORNER = 1
-LYING_STILL = 4
 
 
 @pytest.mark.parametrize("direction", ["+x", "-x"])

@@ -252,21 +252,18 @@ def test_the_examples_do_what_their_names_say(opened):
     found = opened().evaluate("""PRESETS.map(([name, values]) => {
       const changes = { ...START, ...values }, run = playRun(changes);
       return [name, { forward: run.mean_velocity, flight: run.shares.flight,
-                      rolls: run.events.roll_over, story: storyOf(changes, run).story }];
+                      rolls: run.events.roll_over }];
     })""")
     found = dict(found)
     for name in ("Walks", "Walks by OPP", "Climbs"):
         assert found[name]["forward"] > 1e-4
         assert found[name]["flight"] < 0.2
-        assert found[name]["story"].startswith("It walks")
     assert found["Slides back"]["forward"] < -1e-4
     assert found["Flies"]["flight"] > 0.5
     assert found["Tips over"]["rolls"] > 2
-    assert found["Rides a stage"]["story"].startswith("The stage carries it")
     assert abs(found["Rides a stage"]["forward"]) > 1e-4
-    assert "magnet is too weak" in found["Stays: weak magnet"]["story"]
-    assert "the field is steady" in found["Stays: steady field"]["story"]
-    assert "adhesion = 3000 nN holds the edge" in found["Stays: adhesion"]["story"]
+    for name in ("weak magnet", "steady field", "adhesion"):
+        assert abs(found[f"Stays: {name}"]["forward"]) < 1e-5
 
 
 SLIDE = {"effects.surface_tilt.angle": 0.26, "contact.static_friction": 0.1,
@@ -308,24 +305,6 @@ def test_page_and_package_have_the_same_notes(same_core, opened):
         "backward", "steep-surface", "no-friction", "flight", "density", "rest-torque",
         "rest-adhesion", "rest-no-field", "no-pulses", "pulled", "roll-over",
     }  # fmt: skip
-
-
-@needs_chromium
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"drive.hold": 0.0}, "The robot stays in its place: with holding field = 0 mT"),
-        (SLIDE, "It slides downhill"),
-        (WEIGHTLESS, "It is pulled along"),
-        (BACK, "It slides back"),
-    ],
-)
-def test_a_reader_is_told_what_a_robot_does(opened, changes, words):
-    page = opened("&".join(f"{key}={value}" for key, value in changes.items()))
-    assert page.evaluate("document.getElementById('story').textContent").startswith(words)
-    notes = page.evaluate("document.getElementById('notes').textContent")
-    assert ("no walk" in notes) is (words in ("It slides downhill", "It is pulled along"))
-    assert ("it walks" in notes) is (words == "It slides back")
 
 
 @needs_chromium

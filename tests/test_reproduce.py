@@ -310,12 +310,6 @@ def test_the_film_shows_a_pulse_of_opp(study):
     assert np.abs(corners.min(axis=0)).max() < 1e-5
 
 
-@pytest.mark.parametrize("name", FIGURES)
-@pytest.mark.nightly
-def test_no_panel_of_a_figure_is_empty(study, name):
-    assert all(axes.has_data() or axes.patches for axes in study[0].figures[name].axes)
-
-
 @pytest.mark.nightly
 def test_points_are_laid_over_their_figure(study):
     *lines, points = study[0].figures["fig12"].axes[0].get_lines()
@@ -341,23 +335,6 @@ def test_the_command_and_any_number_of_threads(study, small, tmp_path):
     assert lines[-1] == f"1 figures: {out}"
     for row in first.statements.itertuples():
         assert any(each.startswith(f"{row.statement:<4} {row.text}") for each in lines)
-
-
-REFUSALS = [
-    (["--only", "fig3"], ['"fig3"', "allowed is", "fig15"]),
-    (["--only", ","], ["figure", "fig8"]),
-    (["--threads", "0"], ["--threads", "not in the range"]),
-    (["--out", "file"], ["--out", "file", "is a file"]),
-]
-
-
-@pytest.mark.parametrize(("arguments", "words"), REFUSALS)
-def test_bad_input_is_one_line_and_writes_nothing(tmp_path, arguments, words):
-    (tmp_path / "file").write_text("")
-    done = stickslip("reproduce", *arguments, cwd=tmp_path)
-    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
-    assert all(word in done.stderr for word in words)
-    assert [each.name for each in tmp_path.iterdir()] == ["file"]
 
 
 @pytest.mark.parametrize(

@@ -52,28 +52,6 @@ def test_texts_are_escaped():
     assert "\x1b" not in shown
 
 
-def test_a_scenario_shows_its_drive_and_what_is_changed():
-    scenario = Scenario(
-        drive=Drive(peak=2e-3, pulses=7),
-        effects={"surface_tilt": {"angle": 0.5}},
-        uncertain={"contact.adhesion": {"mean": 0.2e-6, "sd": 0.03e-6}},
-    )
-    shown = rows(scenario._repr_html_())
-    assert shown["drive.peak"] == "2 mT"
-    assert shown["drive.pulses"] == "7"
-    assert shown["effects.surface_tilt.angle"] == "28.6479 degrees"
-    assert "contact.adhesion" in shown["uncertain"]
-    assert "contact.kinetic_friction" not in shown
-    assert "robot.length" not in shown
-
-
-def test_a_scenario_of_a_program_shows_the_program():
-    drive = Drive(mode="program", program=Waveform.hold(0.1, {"xp": 5.0}))
-    shown = rows(Scenario(drive=drive)._repr_html_())
-    assert "&lt;Waveform: 0.1 s" in shown["drive.program"]
-    assert "drive.peak" not in shown
-
-
 def test_a_scenario_shows_every_object_that_it_holds():
     """Those that a section takes beside its keys, whichever they are, and the fluid."""
     objects = {
@@ -92,18 +70,6 @@ def test_a_scenario_shows_every_object_that_it_holds():
             assert shown[key] == escape(str(value))
             assert shown["fluid"] == escape(str(wet.fluid))
         assert key not in rows(made.replace({key: None, "drive.mode": "IPP"})._repr_html_())
-
-
-def test_a_run_shows_its_headline_and_its_numbers(walk_ipp):
-    shown = walk_ipp._repr_html_()
-    assert f"<p>ok, {walk_ipp.mean_velocity * 1e3:.6g} mm/s, 341 samples</p>" in shown
-    table = {name: rest for name, *rest in re.findall(3 * r"<td>(.*?)</td>\s*", shown)}
-    theta, unit = table["theta_max"]
-    assert float(theta) == pytest.approx(walk_ipp.summary()["theta_max"], rel=1e-5)
-    assert unit == "rad"
-    assert "stick" in table["events"][0]
-    for note in walk_ipp.notes:
-        assert escape(note.text) in shown
 
 
 def test_a_run_that_failed_or_has_no_record_says_so():

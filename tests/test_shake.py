@@ -15,7 +15,6 @@ FREE = {"drive.mode": "none", "drive.pulses": 6, "shake.frequency": FREQUENCY,
 EXACT = {"solver.rtol": 1e-12}
 MU = 0.2
 HOLD = MU * (GRAVITY + ADHESION / MASS)  # m/s^2, at which static friction gives way
-LIFT = GRAVITY + ADHESION / MASS  # m/s^2
 
 
 def along(acceleration, **more):

@@ -47,12 +47,6 @@ def test_the_table_has_a_row_for_each_point(scenario):
     assert "6 (3 drive_frequency x 2 drive_mode)" in done.stdout
 
 
-def test_a_long_table_is_left_out(scenario):
-    many = ["--vary", "drive.frequency=30:90:60", "--set=drive.coils=pairs"]
-    done = stickslip("sweep", scenario, *many)
-    assert len(done.stdout.splitlines()) == 4
-
-
 def test_the_file_holds_the_dataset_of_the_library(scenario, tmp_path):
     done = stickslip(
         "sweep", scenario, *VARY, "--set=contact.adhesion=0", "--out=a.nc", cwd=tmp_path

@@ -13,12 +13,12 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from scores import interval, markdown
 
 from blind.kinds import ALIKE, ERROR_SHARE
 from blind.own import refitted
-from blind.scoring import interval, markdown
-from blind.twins import COUNT, KINDS, LARGEST, SIZES, STRENGTH, Kind, model_of, moves, solved
-from stickslip import Cause, Diagnosis, Parameter, Prior, Series, diagnose_model
+from blind.twins import COUNT, KINDS, SIZES, STRENGTH, Kind, listed, model_of, moves, solved
+from stickslip import Cause, Diagnosis, Parameter, Series, diagnose_model
 
 Row = dict[str, Any]
 Array = np.ndarray
@@ -83,28 +83,23 @@ def made(seed: int) -> tuple[Row, Series, list[Parameter], list[Cause]]:
     sd = float(np.std(effect)) / math.exp(draw.uniform(*np.log(STRENGTH)))
     y = seen + scale * error + sd * draw.normal(size=COUNT)
     apart = {key: refitted(one, columns) for key, one in effects.items()}
-    listed = {key for key, one in apart.items()
+    unlike = {key for key, one in apart.items()
               if key == hidden or abs(np.corrcoef(one, effect)[0, 1]) < ALIKE}  # fmt: skip
     every = np.column_stack([columns, moves(kind, acting, t, {hidden: 0.01 * size})])
     stated = np.diag([1.0 / spread**2 for _, spread in kind.constants.values()] + [0.0])
     whole = every.T @ np.linalg.solve(scale**2 * cov + sd**2 * np.eye(COUNT), every) + stated
     width = math.sqrt(np.linalg.inv(whole)[-1, -1])
-    uncertain = [Parameter(key, Prior("normal", *prior), cause=False)
-                 for key, prior in kind.constants.items()]  # fmt: skip
-    causes = [Cause(key, Parameter(key, size=usual, low=-LARGEST * usual * (key == "clock"),
-                                   high=LARGEST * usual))
-              for key, usual in kind.causes.items() if key in listed]  # fmt: skip
     truth = {"kind": name, "cause": hidden, "error": errors, "size": size, "width": width}
-    return truth, Series(t, y, sd=sd if seed % 2 else None), uncertain, causes
+    return truth, Series(t, y, sd=sd if seed % 2 else None), *listed(kind, unlike)
 
 
 def diagnosed(seed: int) -> tuple[Row, Diagnosis]:
     """What a set hides, and what is said of it."""
     truth, record, uncertain, causes = made(seed)
     predict, absent = model_of(truth["kind"]), dict.fromkeys(KINDS[truth["kind"]].causes, 0.0)
-    listed = diagnose_model(lambda table, p: predict(table, {**absent, **p}), record, uncertain,
-                            causes)  # fmt: skip
-    return truth, listed
+    return truth, diagnose_model(
+        lambda table, p: predict(table, {**absent, **p}), record, uncertain, causes
+    )
 
 
 def judged(seed: int) -> Row:

@@ -1,4 +1,4 @@
-"""Counts of a blind study beside what is asked, and its tables in Markdown."""
+"""What was said in a study of walkers, one question a case, and its tables in Markdown."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scores import Answer, interval, markdown
+import scores
+from scores import Answer, interval, markdown, share
 
-from blind.catalogue import CAUSES, FORMS, HOOK_OF, INSTRUMENT_NAMES, LAWS, entry, law_change
-from blind.kinds import ALIKE, KINDS
+from blind.catalogue import CAUSES, FORMS, HOOK_OF, LAWS, entry, law_change
+from blind.kinds import KINDS
 
 Row = dict[str, Any]
 
@@ -20,7 +21,6 @@ Row = dict[str, Any]
 # cause cannot be as strong as the kind asks for.
 _REACHED = 0.9
 _SET = 0.95  # probability of a set of forms
-_STANDS_OUT = 6.0  # S of one of two causes beside the other
 _LEFT_OVER = "second-cause-predicts-nothing"
 """Code of a verdict's reason that says that a cause was named and something is left over."""
 # Parameters whose library form is the generator's too, so that their values can be compared.
@@ -35,11 +35,20 @@ _CONSTANT = {
     "friction": "contact.kinetic_friction", "sliding": "contact.kinetic_friction",
     "adhesion": "contact.adhesion", "drag": "drag.linear", "fluid": "drag.linear",
 }  # fmt: skip
-# What a diagnosis may cost, CPU seconds: in the median, and at most.
-_MEDIAN, _MOST = 12.0, 90.0
-# Data sets of a family below which it is not judged.
-_FEWEST = {"none": 60, "single": 40, "unlisted": 30}
-_FEWEST_OF_OTHERS = 12
+WORDS = {
+    "none": "nothing", "none, hard": "nothing, hard noise",
+    "none, correlated": "nothing, errors correlated",
+    "none, correlated strong": "nothing, errors strongly correlated",
+    "shuffled": "nothing, readings shuffled", "constant 3 sd": "a constant 3 sd off",
+    "constant 5 sd": "a constant 5 sd off", "single": "one cause, S of 6 or more",
+    "single, correlated": "one cause, errors correlated", "weak": "one cause, S = 4",
+    "model error": "one cause, and an error of the model", "near twins": "one of near twins",
+    "exact twins": "one of exact twins", "pair": "two causes",
+    "hiding": "two, of which one hides the other", "instrument": "an instrument",
+    "unknown": "a wave that no cause has", "law": "a law outside the library",
+    "unlisted": "a strong cause that no list has",
+}  # fmt: skip
+"""Families of kinds as a reader calls what is hidden."""
 
 
 class Case:
@@ -48,13 +57,21 @@ class Case:
     def __init__(self, row: Row) -> None:
         self.row, self.answer, self.said = row, row["answer"], row["said"]
         self.kind, self.seed = self.answer["kind"], self.answer["seed"]
+        self.family = KINDS[self.kind].family
         self.verdict, self.hook = str(self.said["verdict"]), self.answer.get("hook")
-        self.truth = set(self.answer["answer"])
+        # Shuffled labels leave nothing to be found.
+        self.truth = set(self.answer["answer"]) if self.family != "shuffled" else set[str]()
         cause = self.said["cause"]
         self.causes = {cause} if isinstance(cause, str) else set(cause or ())
+
+    @property
+    def told(self) -> Answer:
+        """What is said beside what is hidden; of a law, where it acts."""
+        if self.hook is not None:
+            return Answer(self.verdict, self.places, [self.hook])
         # No velocity tells some causes from others.
         twins = (each for name in self.truth if name in CAUSES for each in entry(name).accepted)
-        self.told = Answer(self.verdict, self.causes, self.truth, (*twins,))
+        return Answer(self.verdict, self.causes, self.truth, (*twins,))
 
     @property
     def counted(self) -> bool:
@@ -62,29 +79,9 @@ class Case:
         wanted = KINDS[self.kind].wanted
         return wanted is None or self.answer["strength"] >= _REACHED * wanted[0]
 
-    alarm = property(lambda self: self.verdict != "none")
-    found = property(lambda self: self.verdict not in ("none", "data-problem"))
+    any_claim = property(lambda self: self.told.claims)
     named = property(lambda self: self.verdict == "named")
-    pair = property(lambda self: self.verdict == "pair")
-    # A cause that takes most of the model's error: a claim of another grade than a name.
-    dominant = property(lambda self: self.verdict == "dominant")
-    ambiguous = property(lambda self: self.verdict == "ambiguous")
-    unexplained = property(lambda self: self.verdict == "unexplained")
-    claimed = property(lambda self: self.named or self.pair)
-    any_claim = property(lambda self: self.claimed or self.dominant)
-    right = property(lambda self: self.causes == self.truth)
-    rightly_named = property(lambda self: self.named and self.right)
-    wrongly_claimed = property(lambda self: self.claimed and not self.right)
-    # Of two causes, one or both.
-    right_when_dominant = property(lambda self: self.dominant and self.causes <= self.truth)
-    # A right name, or a set that is small enough to be an answer.
-    in_set = property(lambda self: self.told.outcome in ("right name", "right set"))
-    alike = property(lambda self: bool(self.answer["cosine"] >= ALIKE))
-
-    @property
-    def apart(self) -> bool:
-        """Whether each of two causes stands out beside the other."""
-        return bool(self.answer["beside"] >= _STANDS_OUT)
+    rightly_named = property(lambda self: self.named and self.causes == self.truth)
 
     @property
     def all_hidden(self) -> set[str]:
@@ -94,26 +91,9 @@ class Case:
     @property
     def group(self) -> str:
         """Whether something ``listed`` or ``unlisted`` is hidden, or ``nothing``."""
-        family = KINDS[self.kind].family
-        if family.startswith("none") or family == "shuffled":
+        if self.family.startswith("none") or self.family == "shuffled":
             return "nothing"
         return "listed" if self.truth else "unlisted"
-
-    @property
-    def right_beside_error(self) -> bool:
-        """A claim that has the cause beside a model error, which may be a second cause itself."""
-        return self.any_claim and self.truth <= self.causes <= self.all_hidden
-
-    @property
-    def structure_blamed(self) -> bool:
-        """A claim of something that is no constant, or a set that has none."""
-        structural = ["." not in name for name in self.causes]
-        return any(structural) if self.claimed else bool(structural) and all(structural)
-
-    @property
-    def first_in_rank(self) -> bool:
-        chance = {name: p for name, p in self.said["probabilities"].items() if name != "none"}
-        return max(chance, key=lambda name: chance[name], default="") in self.truth
 
     @cached_property
     def pulls(self) -> list[float]:
@@ -129,15 +109,6 @@ class Case:
     @property
     def within(self) -> bool:
         return all(abs(gap) <= 2.0 for gap in self.pulls)
-
-    @property
-    def gained(self) -> bool:
-        gain = self.said["gain"] or {"before": 0.0, "after": 0.0}
-        return bool(gain["after"] < gain["before"])
-
-    @property
-    def consistent(self) -> bool:
-        return self.row["gain"] is not None and bool(self.row["gain"]["p_value"] > 0.05)
 
     def error(self, when: str) -> float:
         """Mean absolute error of held-out velocities, m/s, before or after; or NaN."""
@@ -162,7 +133,8 @@ class Case:
     @property
     def second_said(self) -> bool:
         """The hidden second cause is said, or that something is left beside the first."""
-        if self.answer["answer"][1] in self.causes or self.right_when_dominant:
+        dominant = self.verdict == "dominant" and self.causes <= self.truth
+        if self.answer["answer"][1] in self.causes or dominant:
             return True
         return self.named and _LEFT_OVER in self.row.get("reasons", ())
 
@@ -174,12 +146,12 @@ class Case:
         return shape if alone else None
 
     @property
-    def hook_right(self) -> bool:
-        """All that is said acts where the truth acts."""
+    def places(self) -> set[str | None]:
+        """Where all that is said acts."""
         laws = self.said.get("laws", {})
-        said = {laws.get(name, name) for name in self.causes}
-        return {HOOK_OF.get(name) for name in said} == {self.hook}
+        return {HOOK_OF.get(laws.get(name, name)) for name in self.causes}
 
+    hook_right = property(lambda self: self.places == {self.hook})
     # A wave acts nowhere.
     place_right = property(lambda self: self.hook is not None and self.hook_right)
     right_shape = property(lambda self: self.shape is not None and self.hook_right)
@@ -211,153 +183,26 @@ class Case:
         (truth,) = self.truth
         return bool(self.causes & {truth, *entry(truth).accepted})
 
-    @property
-    def physical_claimed(self) -> bool:
-        """A claim of a cause in the robot where a reading is wrong."""
-        return self.claimed and not self.causes <= set(INSTRUMENT_NAMES)
 
-
-Question = Callable[[Case], float]
-Demand = tuple[str, Question, Question, float | None, bool]
-
-
-def _most(
-    what: str, counts: Question, limit: float | None = None, among: Question | None = None
-) -> Demand:
-    return what, counts, among or (lambda c: True), limit, True
-
-
-def _least(
-    what: str, counts: Question, limit: float | None = None, among: Question | None = None
-) -> Demand:
-    return what, counts, among or (lambda c: True), limit, False
-
-
-_ALARM = _most("false alarm", lambda c: c.alarm, 0.05)
-_BLAMED = _most("structure blamed", lambda c: c.structure_blamed, 0.05)
-_WRONG = _most("wrongly named", lambda c: c.wrongly_claimed, 0.02)
-_UNEXPLAINED = _least("unexplained", lambda c: c.unexplained)
-# Of two grades of a claim, the lower one; names and sets apart, and the mean credit of both.
-_GRADES = (
-    _least("right when dominant", lambda c: c.right_when_dominant, None, lambda c: c.dominant),
-    _least("a right set of at most three causes", lambda c: c.told.outcome == "right set"),
-    _least("score of groups", lambda c: c.told.credit),
-)
-_TWINS = (
-    _least("in the set or right, of detected", lambda c: c.in_set, 0.95, lambda c: c.found),
-    _WRONG,
-    *_GRADES,
-)
-
-# Family: what it is in a reader's words, and its demands: what is counted, by which question, the
-# limit, of which rows.
-FAMILIES: dict[str, tuple[str, tuple[Demand, ...]]] = {
-    "none": ("nothing", (_ALARM,)),
-    "none, hard": ("nothing, hard noise", (_most("false alarm", lambda c: c.alarm, 0.08),)),
-    "none, correlated": ("nothing, errors correlated", (
-        _ALARM, _most("wrongly named", lambda c: c.any_claim, 0.02),
-    )),
-    "constant 3 sd": ("a constant 3 sd off", (_BLAMED,)),
-    "constant 5 sd": ("a constant 5 sd off", (
-        _least("that constant named", lambda c: c.rightly_named, 0.80), _BLAMED,
-    )),
-    "single": ("one cause, S of 6 or more", (
-        _least("first in rank", lambda c: c.first_in_rank, 0.95),
-        _least("named", lambda c: c.named, 0.82),
-        _least("right when named", lambda c: c.rightly_named, 0.99, lambda c: c.named),
-        _least("parameters within 2 sd when rightly named", lambda c: c.within, 0.90,
-               lambda c: c.rightly_named and bool(c.pulls)),
-        _least("held-out error consistent when rightly named", lambda c: c.consistent, 0.90,
-               lambda c: c.rightly_named),
-        _least("held-out better when rightly named", lambda c: c.gained, None,
-               lambda c: c.rightly_named),
-        _most("a pair claimed", lambda c: c.pair),
-        *_GRADES,
-    )),
-    "single, correlated": ("one cause, errors correlated", (
-        _least("in the set when detected", lambda c: c.in_set, None, lambda c: c.found),
-        _WRONG, *_GRADES,
-    )),
-    "weak": ("one cause, S = 4", (
-        _least("detected", lambda c: c.found, 0.65),
-        _least("in the set when detected", lambda c: c.in_set, None, lambda c: c.found),
-        _WRONG, *_GRADES,
-    )),
-    "near twins": ("one of near twins", (
-        *_TWINS,
-        _least("rightly named before more experiments", lambda c: c.rightly_named),
-        _least("rightly named after three proposed", lambda c: c.followed_right, 0.90),
-    )),
-    "exact twins": ("one of exact twins", _TWINS),
-    "pair": ("two causes", (
-        _least("exact pair", lambda c: c.pair and c.right, 0.75),
-        _least("both in what is said", lambda c: c.in_set, 0.88),
-        _least("exact pair, each S of 6 or more beside the other", lambda c: c.pair and c.right,
-               None, lambda c: c.apart),
-        _least("both in what is said, the same", lambda c: c.in_set, None, lambda c: c.apart),
-        _most("a single cause named", lambda c: c.named),
-        *_GRADES,
-    )),
-    "hiding": ("two, of which one hides the other", (
-        _least("the second said", lambda c: c.second_said, 0.85),
-        _least("exact pair", lambda c: c.pair and c.right),
-        _most("a wrong cause claimed", lambda c: c.claimed and not c.causes <= c.truth, 0.02),
-        *_GRADES,
-    )),
-    "unknown": ("a wave that no cause has", (
-        _least("unexplained", lambda c: c.unexplained, 0.90),
-        _most("wrongly named", lambda c: c.claimed, 0.03),
-        _GRADES[0],
-    )),
-    "law": ("a law outside the library", (
-        _least("hook right", lambda c: c.hook_right, 0.70),
-        _most("false terms", lambda c: c.claimed and not c.hook_right, 0.05),
-        _least("its form is right", lambda c: c.form_among(False), None, lambda c: c.right_shape),
-        _least("among those that have 95 %", lambda c: c.form_among(True), 0.60,
-               lambda c: c.right_shape),
-        _least("the band holds the truth on 80 % of its range", lambda c: c.inside >= 0.8, None,
-               lambda c: c.right_shape),
-        _least("the band holds all of it", lambda c: c.inside == 1.0, None,
-               lambda c: c.right_shape),
-        _least("held-out error at least halved", lambda c: c.halved),
-        _least("the same, where the truth itself halves it", lambda c: c.halved, 0.75,
-               lambda c: c.halved_by_truth),
-        _UNEXPLAINED,
-    )),
-    "instrument": ("an instrument", (
-        _least("in the set or named", lambda c: c.instrument_said, 0.95),
-        _most("a physical cause claimed in its place", lambda c: c.physical_claimed, 0.02),
-        _least("detected or a problem of the data", lambda c: c.alarm),
-        _least("right when dominant", lambda c: c.instrument_said, None, lambda c: c.dominant),
-    )),
-    "none, correlated strong": ("nothing, errors strongly correlated", (
-        _most("false alarm", lambda c: c.alarm),
-        _most("named, a pair or dominant", lambda c: c.any_claim, 0.02),
-    )),
-    "model error": ("one cause, and an error of the model", (
-        _least("right as named or dominant", lambda c: c.right_beside_error, 0.75),
-        _most("wrongly named", lambda c: c.claimed and not c.right_beside_error, 0.03),
-        _most("wrongly dominant", lambda c: c.dominant and not c.right_beside_error, 0.03),
-        _least("first in rank", lambda c: c.first_in_rank),
-        _least("parameters within 2 sd when right", lambda c: c.within, 0.90,
-               lambda c: c.right_beside_error and bool(c.pulls)),
-        _UNEXPLAINED,
-    )),
-    "unlisted": ("a strong cause that no list has", (
-        _most("unlike all causes: wrongly named", lambda c: c.claimed and not c.place_right, 0.03,
-              lambda c: not c.alike),
-        _most("unlike all causes: wrongly dominant", lambda c: c.dominant and not c.place_right,
-              0.10, lambda c: not c.alike),
-        _least("unlike all causes: unexplained", lambda c: c.unexplained, None,
-               lambda c: not c.alike),
-        _most("like a cause: wrongly named", lambda c: c.claimed and not c.place_right, 0.03,
-              lambda c: c.alike),
-        _least("like a cause: said to act like one", lambda c: c.dominant, None,
-               lambda c: c.alike),
-        _least("like a cause: unexplained", lambda c: c.unexplained, None, lambda c: c.alike),
-    )),
-    "shuffled": ("nothing, readings shuffled", (_most("named", lambda c: c.any_claim, 0.0),)),
-}  # fmt: skip
+FACTS: tuple[tuple[str, Callable[[Case], bool], Callable[[Case], bool]], ...] = (
+    ("parameters within 2 sd, of rightly named causes", lambda c: c.within,
+     lambda c: c.rightly_named and bool(c.pulls)),
+    ("near twins rightly named after three proposed drives", lambda c: c.followed_right,
+     lambda c: c.family == "near twins"),
+    ("the second cause said, of two of which one hides the other", lambda c: c.second_said,
+     lambda c: c.family == "hiding"),
+    ("a distortion said, or its twin", lambda c: c.instrument_said,
+     lambda c: c.family == "instrument"),
+    ("laws of a right form, of those that are told where they act", lambda c: c.form_among(False),
+     lambda c: c.right_shape),
+    ("a right form among those that have 95 %", lambda c: c.form_among(True),
+     lambda c: c.right_shape),
+    ("the band holds the truth on 80 % of its range", lambda c: c.inside >= 0.8,
+     lambda c: c.right_shape),
+    ("held-out error at least halved, where the truth halves it", lambda c: c.halved,
+     lambda c: c.family == "law" and c.halved_by_truth),
+)  # fmt: skip
+"""What is counted beside the answers, by which question, and of which cases."""
 
 
 def read(path: Path) -> list[Row]:
@@ -366,44 +211,10 @@ def read(path: Path) -> list[Row]:
     return list({(row["answer"]["kind"], row["answer"]["seed"]): row for row in rows}.values())
 
 
-def judged(rows: Sequence[Row], pooled: bool = False) -> list[dict[str, Any]]:
-    """Count, total, interval and demand of each line of the table, and the seeds that missed it.
-
-    By kind, or `pooled` over all kinds of a family. Data sets whose hidden things are weaker than
-    their kind asks for are not counted. A demand is missed if the interval excludes it; whether it
-    is met is None where there is none, or too few data sets of the family to judge by. `passing` is
-    the worst count that is not missed.
-    """
-    result = []
-    cases = [case for case in map(Case, rows) if case.counted]
-    groups = {plan.family if pooled else kind: plan.family for kind, plan in KINDS.items()}
-    for group, family in groups.items():
-        mine = [c for c in cases if (KINDS[c.kind].family if pooled else c.kind) == group]
-        fewest = _FEWEST.get(family, _FEWEST_OF_OTHERS)
-        for what, counts, among, asked, at_most in FAMILIES[family][1]:
-            some = [(case.seed, counts(case)) for case in mine if among(case)]
-            if not some:
-                continue
-            count, total = sum(hit for _, hit in some), len(some)
-            low, high = interval(count, total)
-            met = passing = None
-            if asked is not None and len(mine) >= fewest:
-                fine = [k for k in range(total + 1) if _is_met(k, total, asked, at_most)]
-                met, passing = count in fine, max(fine) if at_most else min(fine)
-            missed = [seed for seed, hit in some if asked is not None and hit == at_most]
-            result.append(
-                {
-                    "kind": group, "what": what, "count": count, "total": total, "low": low,
-                    "high": high, "asked": asked, "at_most": at_most, "met": met,
-                    "passing": passing, "missed": missed,
-                }
-            )  # fmt: skip
-    return result
-
-
-def _is_met(count: int, total: int, asked: float, at_most: bool) -> bool:
-    low, high = interval(count, total)
-    return low <= asked if at_most else high >= asked
+def facts(cases: Sequence[Case]) -> dict[str, tuple[int, int]]:
+    """Count and total of each of `FACTS` that any case is about."""
+    of = {what: [bool(asks(case)) for case in cases if among(case)] for what, asks, among in FACTS}
+    return {what: (sum(hits), len(hits)) for what, hits in of.items() if hits}
 
 
 _SURE = ((0.0, 0.5), (0.5, 0.8), (0.8, 0.95), (0.95, 1.0))
@@ -439,27 +250,15 @@ def calibration(rows: Sequence[Row]) -> list[dict[str, Any]]:
     return result
 
 
-def _counts(rows: Sequence[Row], pooled: bool) -> str:
-    """Counts beside what is asked, by kind or pooled by family."""
-    lines = []
-    for each in judged(rows, pooled):
-        bound = "at most" if each["at_most"] else "at least"
-        lines.append(
-            (
-                FAMILIES[each["kind"]][0] if pooled else each["kind"], each["what"],
-                f"{each['count']:.4g} of {each['total']}", f"{each['count'] / each['total']:.0%}",
-                f"{each['low']:.0%} to {each['high']:.0%}",
-                "-" if each["asked"] is None else f"{bound} {each['asked']:.0%}",
-                "-" if each["passing"] is None else f"{each['passing'] / each['total']:.0%}",
-                "-" if each["asked"] is None
-                else {None: "not judged", True: "yes", False: "no"}[each["met"]],
-            )
-        )  # fmt: skip
-    return markdown("hidden;counted;count;share;95 % interval;asked;passes up to;met", lines)
-
-
 def table(rows: Sequence[Row]) -> str:
-    """Counts of each family beside what is asked, calibration of the probabilities, and cost."""
+    """Answers by what is hidden, facts beside them, calibration of probabilities, and cost.
+
+    Data sets whose hidden things are weaker than their kind asks for are not counted.
+    """
+    every = [Case(row) for row in rows]
+    cases = [case for case in every if case.counted]
+    groups = {words: [case.told for case in cases if case.family == family]
+              for family, words in WORDS.items()}  # fmt: skip
     sure = [
         (
             f"{each['from']:.0%} to {each['to']:.0%}", f"{each['mean']:.0%}",
@@ -468,67 +267,22 @@ def table(rows: Sequence[Row]) -> str:
         )
         for each in calibration(rows)
     ]  # fmt: skip
-    parts = [
-        _counts(rows, pooled=True),
+    beside = [(what, total, share(count, total)) for what, (count, total) in facts(cases).items()]
+    seconds = [row["cpu_seconds"] for row in rows] or [0.0]
+    return "\n\n".join([
+        scores.table(groups), markdown("counted;of;share", beside),
         markdown("most likely, thought to be so by;on average;true;at least so often", sure),
-    ]
-    if rows:
-        seconds = [row["cpu_seconds"] for row in rows]
-        some = [row["cpu_seconds"] for row in rows if Case(row).found] or [0.0]
-        parts.append(
-            f"{len(rows)} data sets of up to 30 conditions; a diagnosis took "
-            f"{np.median(seconds):.0f} s CPU time in the median (asked: {_MEDIAN:.0f}), "
-            f"{np.median(some):.0f} s where something is found, {max(seconds):.0f} s at most "
-            f"(asked: {_MOST:.0f})."
-        )
-    return "\n\n".join(parts)
-
-
-def by_cause(rows: Sequence[Row]) -> list[tuple[object, ...]]:
-    """Of each cause that is hidden by itself: kind, data sets, in the set, named, wrongly so."""
-    mine: dict[tuple[str, str], list[Case]] = {}
-    for case in map(Case, rows):
-        # Shuffled labels leave nothing to be found.
-        if case.counted and (len(case.truth) == 1 or case.hook) and case.kind != "shuffled":
-            mine.setdefault((case.hook or next(iter(case.truth)), case.kind), []).append(case)
-    result = []
-    for (name, kind), cases in sorted(mine.items()):
-        law = KINDS[kind].family in ("law", "unlisted")
-        right = sum(c.hook_right if law else c.in_set for c in cases)
-        wrong = sum(c.claimed and not (c.hook_right if law else c.right) for c in cases)
-        result.append((name, kind, len(cases), right, sum(c.named for c in cases), wrong))
-    return result
-
-
-def misses(rows: Sequence[Row]) -> list[tuple[object, ...]]:
-    """Every data set that missed what is asked: kind, seed, truth, S, what was said, and missed."""
-    cases = {(case.kind, case.seed): case for case in map(Case, rows)}
-    failed: dict[tuple[str, int], list[str]] = {}
-    for each in judged(rows):
-        for seed in each["missed"]:
-            failed.setdefault((each["kind"], seed), []).append(each["what"])
-    result = []
-    for name, what in sorted(failed.items()):
-        case = cases[name]
-        truth = case.hook or " + ".join(case.answer["answer"]) or "-"
-        said = " ".join([case.verdict, ", ".join(sorted(case.causes))])
-        result.append((*name, truth, f"{case.answer['strength']:.1f}", said, "; ".join(what)))
-    return result
+        f"{len(rows)} data sets of up to 30 conditions, {len(every) - len(cases)} of them too weak "
+        f"to count; a diagnosis took {np.median(seconds):.0f} s CPU time in the median, "
+        f"{max(seconds):.0f} s at most.",
+    ])  # fmt: skip
 
 
 def report(rows: Sequence[Row]) -> str:
-    """All tables, and what they are of."""
-    parts = [table(rows)]
-    left = sum(not case.counted for case in map(Case, rows))
-    if left:
-        parts.append(
-            f"Not counted: {left} data sets whose hidden cause cannot be as strong as asked for."
-        )
-    states = {tuple(sorted(row.get("state", {}).items())) for row in rows}
-    parts += [", ".join(f"{key} {value}" for key, value in each) for each in sorted(states) if each]
-    parts.append("Each kind by itself:\n\n" + _counts(rows, pooled=False))
-    parts.append(
-        markdown("cause;hidden as;data sets;in the set;named;wrong claims", by_cause(rows))
-    )
-    parts.append(markdown("kind;seed;truth;S;said;missed", misses(rows)))
-    return "\n\n".join(parts)
+    """The tables, and each data set with a wrong answer."""
+    wrong = [
+        (case.kind, case.seed, case.hook or " + ".join(sorted(case.truth)) or "-",
+         f"{case.answer['strength']:.1f}", f"{case.verdict} {', '.join(sorted(case.causes))}")
+        for case in map(Case, rows) if case.counted and case.told.outcome.startswith("wrong")
+    ]  # fmt: skip
+    return f"{table(rows)}\n\n{markdown('kind;seed;truth;S;said', wrong)}"

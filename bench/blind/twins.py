@@ -8,7 +8,7 @@ effect as is drawn, so that no fit but a bent one could reach it.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -123,6 +123,16 @@ def moves(kind: Kind, p: dict[str, float], t: Array, steps: dict[str, float]) ->
                      for key, step in steps.items()]).T  # fmt: skip
 
 
+def listed(kind: Kind, names: Collection[str]) -> tuple[list[Parameter], list[Cause]]:
+    """Constants of a motion, and those of its causes that are listed."""
+    uncertain = [Parameter(key, Prior("normal", *prior), cause=False)
+                 for key, prior in kind.constants.items()]  # fmt: skip
+    causes = [Cause(key, Parameter(key, size=usual, low=-LARGEST * usual * (key == "clock"),
+                                   high=LARGEST * usual))
+              for key, usual in kind.causes.items() if key in names]  # fmt: skip
+    return uncertain, causes
+
+
 def made(seed: int) -> tuple[Row, Series, list[Parameter], list[Cause]]:
     """What is hidden, the readings, and what is listed beside them."""
     draw, name = np.random.default_rng([45, seed]), [*KINDS][seed % len(KINDS)]
@@ -148,13 +158,9 @@ def made(seed: int) -> tuple[Row, Series, list[Parameter], list[Cause]]:
     error *= draw.uniform(*ERROR_SHARE) * effect / taken
     sd = effect / math.exp(draw.uniform(*np.log(STRENGTH)))
     y = seen + error + sd * draw.normal(size=COUNT)
-    uncertain = [Parameter(key, Prior("normal", *prior), cause=False)
-                 for key, prior in kind.constants.items()]  # fmt: skip
-    causes = [Cause(key, Parameter(key, size=usual, low=-LARGEST * usual * (key == "clock"),
-                                   high=LARGEST * usual))
-              for key, usual in kind.causes.items()]  # fmt: skip
     record = Series(t, y, sd=sd if seed % 2 else None)
-    return {"kind": name, "cause": hidden, "distortion": bent}, record, uncertain, causes
+    truth = {"kind": name, "cause": hidden, "distortion": bent}
+    return truth, record, *listed(kind, kind.causes)
 
 
 def judged(seed: int) -> Row:

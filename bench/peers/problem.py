@@ -54,15 +54,6 @@ FAMILY = (
 )
 """Runs over which the velocity error is taken: one run alone can be right by luck."""
 
-TUNING = (
-    REFERENCE,
-    Drive(2.45e-3, 85.0, 1.05e-3),
-    Drive(2.65e-3, 115.0, 0.85e-3),
-    Drive(2.35e-3, 95.0, 1.15e-3),
-    Drive(2.55e-3, 110.0, 1.00e-3),
-)
-"""Runs on which settings that have to be searched for were searched for."""
-
 
 @dataclass(frozen=True)
 class Body:
