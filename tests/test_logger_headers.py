@@ -31,6 +31,10 @@ HEADERS = {
     "Tektronix": ("Model,MSO46\nHorizontal Units,s,s\nSample Interval,2e-2,2e-2\n"
                   "Vertical Units,V,V\nLabel,,\n\nTIME,CH1,CH2", (T, Y, U), "joint",
                   f'line 7: {SPEED}"TIME", "CH1"'),
+    "Yokogawa": ('"Model","DLM3054"\n"Date","2026/11/28"\n\nTIME,torque,speed\ns,Nm,rpm',
+                 (T, U, RPM * Y), "joint", ""),
+    "Yokogawa channels": ('"Model","DLM3054"\n"Date","2026/11/28"\n\nTIME,CH1,CH2', (T, U, Y),
+                          "joint", f'line 4: {SPEED}"TIME", "CH1"'),
     "Rigol": ("X,CH1,CH2,Start,Increment,\nSequence,Volt,Volt,0,2e-2", (K, Y, U, [""] * 12),
               "joint", f'{TIME}"X", "CH1"'),
     "PicoScope": ("Time,speed,torque\n(ms),(rpm),(mNm)\n", (1e3 * T, RPM * Y, 1e3 * U), "joint",

@@ -103,11 +103,10 @@ class Block(NamedTuple):
 class CsvTable:
     """The header of a CSV file and, by `blocks`, the rows below it.
 
-    Commas, semicolons or tabs separate the cells; a first line such as ``sep=;`` says which. The
-    header is the first of some fifty lines that names one of `columns`; where none does, the last
-    one above rows of numbers that has as many cells, else the first one that is no comment. If that
-    has a number, the last comment above it with as many cells, a name and no number is the header,
-    as `numpy.savetxt` writes it. A row of units below the names belongs to them.
+    Commas, semicolons or tabs separate the cells; a line ``sep=;`` above says which. The header is
+    that of fifty lines which names the most of `columns`, else the last one above rows of numbers
+    with as many cells, else the first without a #; if that has a number, the last comment above it
+    with as many cells and no number, as of `numpy.savetxt`. A row of units may follow.
 
     Parameters
     ----------
@@ -181,16 +180,18 @@ class CsvTable:
         columns: Collection[str],
         separator: str | None,
     ) -> tuple[tuple[int, str], Iterator[tuple[int, str]]]:
-        """The first line, or the one of names below others that name no column, as loggers write
-        them; and the lines below it."""
+        """The first line, or the one of names below others, as loggers write; and those below."""
         known = {name.casefold() for name in columns}
-        near = [first, *itertools.islice(lines, _PREAMBLE)]
+        near, best = [first, *itertools.islice(lines, _PREAMBLE)], (0, 0, 0)
         for k, (_, line) in enumerate(near):
             self.separator = separator or _separator_of(line)
             cells = [] if line.lstrip().startswith("#") else self._cells(line)
-            named = any(split_unit(cell)[0].casefold() in known for cell in cells[:MOST_COLUMNS])
+            named = sum(split_unit(cell)[0].casefold() in known for cell in cells[:MOST_COLUMNS])
             if named and (k == 0 or (len(cells) > 1 and not any(map(_is_number, cells)))):
-                return self._from(near, k, lines)
+                best = max(best, (named, len(cells), -k))
+        if best[0]:
+            self.separator = separator or _separator_of(near[-best[2]][1])
+            return self._from(near, -best[2], lines)
         self.separator = separator or _separator_of(near[-1][1])
         rows = [(k, self._cells(line)) for k, (_, line) in enumerate(near) if line.strip()]
         width = len(rows[-1][1])
