@@ -6,7 +6,6 @@ import math
 import numpy as np
 import pytest
 import xarray
-from matplotlib.figure import Figure
 from scipy.stats import norm
 
 from stickslip import (
@@ -193,17 +192,11 @@ def test_bands_are_drawn_about_the_medians(found):
             edges = [float(y) for x, y in corners if x == frequency]
             ends = here.sel(drive_frequency=frequency, quantile=[0.1, 0.9]).values.tolist()
             assert [min(edges), max(edges)] == pytest.approx(ends)
-    named = [text.get_text().partition(",")[0] for text in axes.get_legend().get_texts()]
-    assert sorted(named) == ["IPP", "IPP", "OPP", "OPP"]
-    ax = Figure().subplots()
     rows = [{"drive.frequency": f} for f in (60.0, 30.0)]
     nested = predict(BASE, rows, 24, quantiles=[0.05, 0.25, 0.5, 0.75, 0.95])
-    plot.velocity(nested, ax)
-    named = [text.get_text() for text in ax.get_legend().get_texts()]
-    assert named == ["median of draws", "90 % of draws", "50 % of draws"]
-    outer, inner = (patch.get_alpha() for patch in ax.get_legend().get_patches())
-    assert outer < inner
-    assert ax.get_lines()[0].get_xdata().tolist() == [30.0, 60.0]
+    (axes,) = plot.velocity(nested).axes
+    assert len(axes.collections) == 2
+    assert axes.get_lines()[0].get_xdata().tolist() == [30.0, 60.0]
 
 
 def test_bands_that_cannot_be_drawn_are_refused(found):
