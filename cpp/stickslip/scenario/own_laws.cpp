@@ -100,8 +100,8 @@ std::string given(const OwnLaw& law, Number number) {
 }
 
 bool has_scale(const OwnLaw& law) {
-    return form_of(law).of_tilt == Argument::tilt &&
-           argument_of(law).argument != Argument::slip_sign;
+    return argument_of(law).argument != Argument::slip_sign &&
+           form_of(law).of_tilt == Argument::tilt;
 }
 
 // Laws of the way and of the load stand apart.
