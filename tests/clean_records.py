@@ -6,7 +6,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from stickslip import Cause, Parameter, Prior, Series, Table, events, instruments, models
-from stickslip.diagnosis.decision.test import tested
+from stickslip.diagnosis.decision.misfit_test import tested
 from stickslip.diagnosis.model import posed
 from stickslip.diagnosis.pipeline import run
 from stickslip.simulation.note import Note

@@ -4,7 +4,7 @@ import numpy as np
 
 from made_measurement import write_files
 from stickslip import Scenario
-from stickslip.walker.exposure import Exposure, record
+from stickslip.walker.exposure import CameraModel, record
 from stickslip.walker.read_tracking import TrackingRun
 
 NOISE = {"x": 5e-7, "theta": 5e-3, "current_x": 2e-3, "current_clamp": 2e-3}
@@ -53,7 +53,7 @@ def film(changes, camera, rate, seed, names=("x", "theta"), noise=NOISE):
 def tracking_run(changes, rate, seed, exposure=3e-4, stated=True, drive=None, **more):
     """A run of the true robot with `changes` as the diagnosis takes it."""
     drive = drive or {}
-    columns = film({**TRUE, **drive, **changes}, Exposure(exposure), rate, seed, **more)
+    columns = film({**TRUE, **drive, **changes}, CameraModel(exposure), rate, seed, **more)
     noise = {"x": NOISE["x"], "theta": NOISE["theta"]} if stated else {}
     return TrackingRun("film.csv", columns, ROBOT.replace(drive), exposure, noise)
 
@@ -77,7 +77,7 @@ def write_films(folder, rate, seed, marker):
     random, text, tables = np.random.default_rng([seed, 1]), HEAD, {}
     for number, (way, facing) in enumerate((("+x", 1.0), ("-x", -1.0))):
         own = [0.0, 0.0, 1.0] + [2e-4, 0.01, 0.005] * random.standard_normal(3)
-        camera = Exposure(3e-4, *own.tolist(), marker_along=marker, facing=facing)
+        camera = CameraModel(3e-4, *own.tolist(), marker_along=marker, facing=facing)
         columns = film({**TRUE, "drive.direction": way}, camera, rate, [seed, 2, number])
         tables[f"run{number}"] = columns
         text += (

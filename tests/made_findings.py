@@ -10,7 +10,7 @@ from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.verdict import Verdict
 from stickslip.diagnosis.entry import diagnose_model
 from stickslip.diagnosis.fitting.problem import Cached, Problem
-from stickslip.diagnosis.model import freed
+from stickslip.diagnosis.model import relaxed
 from stickslip.diagnosis.pipeline import run
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.terms.cause import Cause
@@ -45,7 +45,7 @@ def toy(truth, error=0.0, seed=3):
     y = predict(x, np.array([truth]))[0] + SD * random.standard_normal(len(x))
     y += error * random.standard_normal(len(x))
     table = Table({"side": side, "x": x}, y, sd=SD, name="volts", unit="V")
-    causes = (*CAUSES, *freed(CONSTANTS))
+    causes = (*CAUSES, *relaxed(CONSTANTS))
     problem = Problem((table,), Cached(lambda v: predict(x, v)), CONSTANTS, causes)
     forward = lambda at, values: predict(np.asarray(at, dtype=float), values)  # noqa: E731
     return Diagnosis(run(problem, 0), forward=forward)

@@ -27,7 +27,7 @@ from stickslip import Coils, Scenario, _core, simulate
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.terms.instruments import read_by
 from stickslip.walker import read_measurement
-from stickslip.walker.exposure import Exposure, record
+from stickslip.walker.exposure import CameraModel, record
 from stickslip.walker.instruments import of_angles, of_velocities
 
 # A condition in which every cause of a moving robot does something.
@@ -148,7 +148,7 @@ def test_frames_of_a_film_are_those_of_the_core(name):
     for drive, film in zip(settings.films(), seen, strict=True):
         motion = next(record(core(truth, name, drive), [], np.zeros((1, 0)), 9e4, 1))
         clock = truth.amount("clock_scale", "fraction")
-        frames = Exposure(settings.EXPOSURE, clock_scale=clock).frames(motion, film["t"])
+        frames = CameraModel(settings.EXPOSURE, clock_scale=clock).frames(motion, film["t"])
         gap = {quantity: film[quantity] - frames[quantity] for quantity in FILM_SD}
         # The first slips in the ramp are left out by the diagnosis.
         x = (gap["x"] - gap["x"][np.searchsorted(film["t"], 0.06)])[film["t"] > 0.06]

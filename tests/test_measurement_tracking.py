@@ -10,7 +10,7 @@ from made_measurement import write_files
 from stickslip import simulate
 from stickslip.errors import ScenarioError
 from stickslip.walker import read_measurement
-from stickslip.walker.exposure import Exposure
+from stickslip.walker.exposure import CameraModel
 from stickslip.walker.film import FilmTable
 
 TOML = """stickslip_measurement = 1
@@ -48,7 +48,7 @@ def beside(folder, toml, odd, sound):
 
 @pytest.fixture(scope="module")
 def full_frames():
-    return film(TRUE, Exposure(3e-4), 1000.0, 0, names=ALL)
+    return film(TRUE, CameraModel(3e-4), 1000.0, 0, names=ALL)
 
 
 @pytest.fixture(scope="module")
@@ -240,7 +240,7 @@ def test_a_column_in_a_wrong_unit_is_reported(tmp_path, full_frames, column, uni
 )
 def test_columns_in_the_right_unit_pass_whatever_the_drive(tmp_path, drive):
     changes = {f"drive.{key}": value for key, value in drive.items()}
-    frames = film({**TRUE, **changes}, Exposure(3e-4), 1000.0, 0, ALL, {**NOISE, "z": 5e-6})
+    frames = film({**TRUE, **changes}, CameraModel(3e-4), 1000.0, 0, ALL, {**NOISE, "z": 5e-6})
     frames["z"] += 0.02  # its origin is anywhere
     frames["current_clamp"] += 0.02 * np.random.default_rng(3).standard_normal(len(frames["t"]))
     entries = ", ".join(f"{key} = {json.dumps(v)}" for key, v in drive.items())

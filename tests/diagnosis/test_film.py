@@ -10,7 +10,7 @@ from scipy.stats import norm
 
 from films import NOISE, ROBOT, TRUE, film, noisy, tracking_run
 from stickslip import Scenario, Waveform
-from stickslip.walker.exposure import Exposure, record, recording_rate
+from stickslip.walker.exposure import CameraModel, record, recording_rate
 from stickslip.walker.film import FilmTable
 from stickslip.walker.folding import fold
 from stickslip.walker.read_tracking import TrackingRun
@@ -63,7 +63,7 @@ def rocking(frequency, height=0.1, rate=1e4):
 def test_a_frame_shows_the_mean_over_its_exposure():
     frequency, exposure, height = 421.0, 1e-3, 0.1
     times = np.arange(0.01, 0.48, 1 / 997.0)
-    frames = Exposure(exposure).frames(rocking(frequency, height), times)
+    frames = CameraModel(exposure).frames(rocking(frequency, height), times)
     # The mean of a sine over an interval is the sine in its middle times sinc; cubic interpolation
     # errs by its fourth derivative, h^4 / 384.
     blurred = height * np.sinc(frequency * exposure) * np.sin(2 * np.pi * frequency * times)
@@ -74,10 +74,10 @@ def test_a_frame_shows_the_mean_over_its_exposure():
 
 def test_trigger_zero_scale_limit_and_marker_act_as_they_are_defined():
     motion, times = rocking(30.0, 0.5), np.arange(0.01, 0.48, 1e-3)
-    late = Exposure().frames(motion, times + 2e-3, ("x", "z", "theta"))
+    late = CameraModel().frames(motion, times + 2e-3, ("x", "z", "theta"))
     theta = late["theta"]
-    camera = Exposure(0.0, 2e-3, 0.02, 1.1, angle_limit=0.3, marker_along=2e-5, marker_across=5e-6,
-                    facing=-1.0)  # fmt: skip
+    camera = CameraModel(0.0, 2e-3, 0.02, 1.1, angle_limit=0.3, marker_along=2e-5,
+                         marker_across=5e-6, facing=-1.0)  # fmt: skip
     seen = camera.frames(motion, times, ("x", "z", "theta"))
     assert seen["theta"] == pytest.approx(np.clip(1.1 * theta + 0.02, -0.3, 0.3), abs=1e-12)
     # In -x the front lies behind in x; nose-down, which is positive, lowers what is ahead.
@@ -86,7 +86,7 @@ def test_trigger_zero_scale_limit_and_marker_act_as_they_are_defined():
     assert seen["x"] == pytest.approx(x, abs=1e-15)
     assert seen["z"] == pytest.approx(z, abs=1e-15)
     # Before and after the recording the robot rests.
-    ends = Exposure(1e-3).frames(motion, np.array([-0.1, 0.7]))["theta"]
+    ends = CameraModel(1e-3).frames(motion, np.array([-0.1, 0.7]))["theta"]
     assert ends == pytest.approx([motion["theta"][0], motion["theta"][-1]])
 
 
@@ -101,8 +101,10 @@ def motion(changes, rate=None):
 def test_scales_of_length_and_clock_are_on_all_that_is_read():
     length, clock = 0.03, 0.02
     times, names = np.arange(0.0, 0.15, 1e-3), ("x", "z", "theta", "current_x")
-    plain = Exposure(4e-4, marker_along=2e-5).frames(motion({}), times, names)
-    camera = Exposure(4e-4 * (1 + clock), length_scale=length, clock_scale=clock, marker_along=2e-5)
+    plain = CameraModel(4e-4, marker_along=2e-5).frames(motion({}), times, names)
+    camera = CameraModel(
+        4e-4 * (1 + clock), length_scale=length, clock_scale=clock, marker_along=2e-5
+    )
     read = camera.frames(motion({}), times * (1 + clock), names)
     for name in names:
         scale = 1 + length if name in ("x", "z") else 1
@@ -131,7 +133,7 @@ def test_the_recording_rate_is_fine_enough_and_meets_the_edges():
         assert edge * rate == pytest.approx(round(edge * rate), abs=1e-6)
     times = np.arange(0.0, 0.18, 7e-4)
     coarse, fine = (
-        Exposure(3e-4).frames(motion({}, each), times, ("x", "theta", "current_x"))
+        CameraModel(3e-4).frames(motion({}, each), times, ("x", "theta", "current_x"))
         for each in (rate, 20 * rate)
     )
     # Against pixels of a tenth of a micrometre, a fifth of a degree and a milliampere.
@@ -199,7 +201,7 @@ def test_a_stated_noise_is_used_unless_the_frames_scatter_more():
 
 def test_camera_parameters_belong_to_one_film():
     own = [f"tracking.2.{key}" for key in ("angle_offset", "angle_scale", "trigger")]
-    camera = Exposure(3e-4, trigger=3e-4, angle_offset=0.02, angle_scale=1.02)
+    camera = CameraModel(3e-4, trigger=3e-4, angle_offset=0.02, angle_scale=1.02)
     run = TrackingRun("a.csv", film(TRUE, camera, 500.0, 0), ROBOT, 3e-4, NOISE)
     table = FilmTable(run, 2)
     assert (table.name, [each.name for each in table.nuisance]) == ("tracking.2", own)
@@ -265,7 +267,7 @@ def test_a_program_of_voltages_is_binned_in_time():
     scenario = Scenario().replace({"drive.mode": "program", "drive.program": program})
     times = np.arange(0.0, scenario.window[1], 1e-3)
     shown = next(record(scenario.replace(TRUE), [], np.zeros((1, 0)), 9e4, 1))
-    frames = noisy(Exposure(3e-4).frames(shown, times), NOISE, np.random.default_rng(2))
+    frames = noisy(CameraModel(3e-4).frames(shown, times), NOISE, np.random.default_rng(2))
     run = TrackingRun("a.csv", {"t": times, **frames}, scenario, 3e-4, NOISE)
     table = FilmTable(run)
     assert len(table.mean) == 24 + 23  # levels of theta; of x all but the origin

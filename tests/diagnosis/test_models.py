@@ -12,7 +12,7 @@ import sliding_block
 from stickslip.diagnosis.data.errors import Errors
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.gain import held_out, measured, parts_of
-from stickslip.diagnosis.fitting.descent import End, derivatives, descend, finished, in_step
+from stickslip.diagnosis.fitting.descent import End, derivatives, descend, finished, run_batched
 from stickslip.diagnosis.fitting.draws import drawn
 from stickslip.diagnosis.fitting.forms import forms
 from stickslip.diagnosis.fitting.models import covariance_beside, laplace, linear, minimise
@@ -317,7 +317,7 @@ def test_searches_in_step_end_as_each_does_by_itself_in_fewer_batches():
         most = max(most, len(batches))
     batches.clear()
     every = [minimise(posed, form, causes, np.zeros(posed.size)) for causes in searches]
-    for one, other in zip(alone, in_step(posed, every), strict=True):
+    for one, other in zip(alone, run_batched(posed, every), strict=True):
         assert (one.name, one.log_evidence) == (other.name, other.log_evidence)
         assert np.array_equal(one.x, other.x)
     assert len(batches) == most
@@ -345,11 +345,11 @@ def counted(posed, search):
     answer, count = None, 0
     while True:
         try:
-            points, draft = search.send(answer)
+            points, cheap = search.send(answer)
         except StopIteration as end:
             return end.value, count
         count += len(points)
-        answer = posed.residuals(points, draft)
+        answer = posed.residuals(points, cheap)
 
 
 def test_a_fit_whose_promise_is_too_small_is_given_up():

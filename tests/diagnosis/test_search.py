@@ -325,7 +325,7 @@ def with_laws(posed, asked):
             return given.model(values[:, : given.size]) + knots @ law.curve.design(X).T
 
         causes = (*given.causes, *more)
-        return replace(given, model=model, draft=None, causes=causes, wider=None)
+        return replace(given, model=model, low_fidelity=None, causes=causes, wider=None)
 
     return replace(posed, laws=laws, wider=wider), law
 

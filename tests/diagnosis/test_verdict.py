@@ -10,8 +10,8 @@ from scipy.special import logsumexp
 from stickslip import Cause, Prior, Series, diagnose_model
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.gain import Gain, in_blocks, measured
+from stickslip.diagnosis.decision.misfit_test import GOF_LEVEL, goodness_of_fit
 from stickslip.diagnosis.decision.posterior import posterior
-from stickslip.diagnosis.decision.test import ADEQUATE, adequacy
 from stickslip.diagnosis.decision.verdict import _beside, _takes_little
 from stickslip.diagnosis.fitting.scatter import with_scatter
 from stickslip.diagnosis.pipeline import run
@@ -249,7 +249,7 @@ def test_a_constant_other_than_stated_is_named_by_the_test():
     x = np.linspace(1.0, 3.0, 60)
     uncertain = [replace(SLOPE, cause=True), LEVEL]
     result = run(problem(data(0.5 * x, n=60), (WAVE, BEND), uncertain), 0)
-    assert adequacy(result.problem, result.models.null) >= ADEQUATE
+    assert goodness_of_fit(result.problem, result.models.null) >= GOF_LEVEL
     assert not result.verdict.gain.certain
     assert (result.verdict.kind, result.verdict.causes) == ("named", ("slope",))
 

@@ -48,7 +48,7 @@ def are_equal(one: float, other: float, relative: float, absolute: float = 1e-12
 
 
 def representatives(values: Iterable[float], kept: Collection[float] = ()) -> dict[float, float]:
-    """What stands for each value of a column: the same number for all that are the same setting.
+    """A representative of each value of a column: one number for all that are the same setting.
 
     Two numbers are the same if they differ by at most 1e-6 of the spread of all and of their size.
     Size alone may be that of an offset, as in dates; the spread alone may be that of many decades.
@@ -93,7 +93,7 @@ Elements = NDArray[Any]
 _NUMBER, _TRUTH, _TEXT, _DATE, _DURATION = "number", "truth", "text", "date", "duration"
 _KINDS = {"b": _TRUTH, "i": _NUMBER, "u": _NUMBER, "f": _NUMBER, "U": _TEXT, "M": _DATE,
           "m": _DURATION}  # fmt: skip
-"""What an array of a dtype holds; an array of objects is asked one by one."""
+"""Kinds of values by the kind of a dtype; an array of objects is asked one by one."""
 
 _FINITE = "finite numbers"
 

@@ -43,7 +43,7 @@ _OTHER_FORMATS = {
 """First bytes of files that users take for tables."""
 
 MOST_COLUMNS = 1000
-"""Of a table. Chosen: far beyond what a laboratory has."""
+"""Limit of a table. Chosen: far beyond what a laboratory has."""
 _PREAMBLE = 50
 """Lines above a header at most. Chosen: loggers write twenty."""
 _SEPARATOR_LINE = re.compile(r'"?sep=([,;|\t])"?[,; \t]*', re.IGNORECASE)

@@ -51,7 +51,7 @@ def seconds(cell: str) -> float:
 
 
 def _nanoseconds(stamp: re.Match[str], minutes: bool) -> int | None:
-    """Of a date since 1970, of a clock since midnight; a clock of two parts may be in minutes."""
+    """Time of a date since 1970, of a clock since midnight; one of two parts may be in minutes."""
     parts = stamp["clock"].replace(",", ".").split(":")
     whole, _, fraction = parts[-1].partition(".")
     numbers = [*map(int, parts[:-1]), int(whole)]
@@ -279,7 +279,7 @@ def counted_on(
 
 
 def _full_spans(y: Array, per: float) -> list[float]:
-    """What numbers, SI, count through if they use all of the 16 or 32 bits that they have.
+    """Spans, SI, of counters whose numbers use all of their 16 or 32 bits.
 
     They are whole ones `per` SI unit, or in tenths and so on.
     """

@@ -289,7 +289,7 @@ def read_table(given: Any, recipe: Recipe) -> SourceTable:
 
 
 def index_labels(table: Any) -> list[Line]:
-    """What the rows of a table in memory are called in messages: whole numbers stay numbers."""
+    """Names of the rows of a table in memory, for messages: whole numbers stay numbers."""
     index = getattr(table, "index", None)
     if index is None or callable(index):
         return []

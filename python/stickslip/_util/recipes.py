@@ -42,7 +42,7 @@ class Plausible(NamedTuple):
 
 
 class Entry(NamedTuple):
-    """What a recipe says of a column: its SI unit, None of words, and its other names."""
+    """A column of a recipe: its SI unit, None of words, and its other names."""
 
     unit: str | None
     also: tuple[str, ...] = ()
@@ -99,7 +99,7 @@ class Recipe:
 
     @staticmethod
     def of(units: Mapping[str, str | None], required: Collection[str] = (), **more: Any) -> Recipe:
-        """Of columns by name and SI unit."""
+        """The recipe of columns by name and SI unit."""
         entries = {name: Entry(unit, (), name in required) for name, unit in units.items()}
         return Recipe(entries, **more)
 
@@ -115,7 +115,7 @@ class Recipe:
                 for other in (name, *entry.also)}  # fmt: skip
 
     def matched(self, headings: Sequence[str]) -> list[Match]:
-        """What the columns are; a ScenarioError names a unit that is not one of its column."""
+        """Meanings of the columns; a ScenarioError names a unit that is not one of its column."""
         names, made = self.names, []
         for heading in headings:
             name, unit = split_unit(heading)

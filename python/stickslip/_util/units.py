@@ -22,7 +22,7 @@ _PREFIXES = {"k": 1e-3, "m": 1e3, "u": 1e6, "µ": 1e6, "μ": 1e6, "n": 1e9}
 
 _CELSIUS, _TIMES = ("C", "degC", "°C"), ("time", "timestamp")
 CLOCKS = ("hh:mm:ss", "hh:mm", "mm:ss")
-"""What a heading may say of a column of clocks, which are read as seconds."""
+"""Units in the heading of a column of clocks, which are read as seconds."""
 
 _OTHERS = {
     "s": {"sec": 1.0, "min": 1.0 / 60.0, "h": 1.0 / 3600.0, **dict.fromkeys(CLOCKS, 1.0)},

@@ -25,7 +25,7 @@ COMMANDS = {
     "run": "Simulate one scenario and print its summary.",
     "sweep": "Simulate a scenario at all combinations of some values.",
 }
-"""What each command does, in a line of a terminal of 80 columns. It stands here and not beside the
+"""A line on each command for a terminal of 80 columns. It stands here and not beside the
 command, whose import would cost up to a second for the list of all."""
 
 _HELP = ("-h", "--help")

@@ -48,7 +48,7 @@ def load_model(text: str, given: Mapping[str, Any], logs: Sequence[Source]) -> A
 
 
 def _of_file(path: Path, name: str) -> Any:
-    """What a Python file calls by a name."""
+    """The object of a name in a Python file."""
     if not path.is_file():
         raise ScenarioError(f"--model: {path}: there is no such file")
     sys.path.insert(0, str(path.resolve().parent))  # as of a script

@@ -68,7 +68,7 @@ def number(key: str, text: str) -> float:
 
 
 def stated(key: str, text: str) -> Any:
-    """What ``--set`` says of a term of a model: a value, a value and its error, words."""
+    """A term of a model by ``--set``: a value, a value and its error, words."""
     if re.fullmatch(r"[+-]?(0,\d+|\d+,0\d+)", text):  # a decimal comma
         raise ValueError(
             f"write {text.replace(',', '.')} with a decimal point, or VALUE,ERROR with a point in "

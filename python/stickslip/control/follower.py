@@ -243,5 +243,5 @@ def judged(places: Array, path: Path, follower: Follower) -> tuple[bool, Array]:
 
 
 def _pose(state: State) -> Array:
-    """What the camera sees: x, y, theta, heading."""
+    """The camera's readings: x, y, theta, heading."""
     return np.array([state.x, state.y, state.theta, state.heading])

@@ -1,4 +1,4 @@
-"""What the coils of a scenario and their amplifiers can do."""
+"""Limits of the coils of a scenario and of their amplifiers."""
 
 from __future__ import annotations
 
@@ -119,7 +119,7 @@ def coil_facts(
 
 
 def dimension_changes(scenario: Scenario, name: str) -> dict[str, dict[str, float]]:
-    """What 5 % more of a dimension of one coil changes in its numbers, as parts, by dimension."""
+    """Changes of one coil's numbers by 5 % more of a dimension, as parts, by dimension."""
     before = coil_facts(scenario)[name]
     geometry = () if scenario.coil.map is not None else GEOMETRY
     changes = {}

@@ -101,7 +101,7 @@ class _Arm:
             self._asked = None
 
     def centres(self) -> list[Array]:
-        """Of all its strategies, in the order in which they began."""
+        """Those of all its strategies, in the order in which they began."""
         if self._strategy is None:
             return []
         return [*self._left, np.array(self._strategy.result.xfavorite[: len(self.start)])]

@@ -86,7 +86,7 @@ class Space:
         return {**self.arms[int(arm)], **dict(zip(self.ranges, numbers, strict=True))}
 
     def changes(self, values: Values) -> dict[str, Any]:
-        """What ``Scenario.replace`` needs for values by name.
+        """Arguments of ``Scenario.replace`` for values by name.
 
         Where a waveform is free, any drive is played as a program: a program is measured over all
         of it, and a pulsed drive after its third pulse only.

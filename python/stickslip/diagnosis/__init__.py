@@ -18,7 +18,7 @@ _NAMES = {
     "diagnosis.decision.experiments": "Experiment",
     "diagnosis.decision.facts": "Findings",
     "diagnosis.decision.gain": "Gain",
-    "diagnosis.decision.test": "Test",
+    "diagnosis.decision.misfit_test": "MisfitTest",
     "diagnosis.decision.verdict": "Verdict",
     "diagnosis.change": "diagnose_change",
     "diagnosis.entry": "diagnose_model",

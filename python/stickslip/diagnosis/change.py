@@ -1,4 +1,4 @@
-"""What differs between two states of a machine, `before` and `after`: one problem of both.
+"""Differences between two states of a machine, `before` and `after`: one problem of both.
 
 A cause is one difference, such as ``load[after]``: what is added on one side to a constant or an
 effect that has the name before the bracket. Where each table has one of the same settings on the
@@ -129,21 +129,21 @@ class TwoSides(Rivals):
                 own[one.name] = both + more - one.middle if adds else np.where(acts, more, both)
         return own
 
-    def predicted(self, names: Sequence[str], draft: bool, values: Array) -> Array:
-        """What is fitted, (vectors, n), for values by name, (vectors, names)."""
+    def predicted(self, names: Sequence[str], cheap: bool, values: Array) -> Array:
+        """Predictions of fitted readings, (vectors, n), for values by name, (vectors, names)."""
         p, each = {**self.known, **dict(zip(names, values.T, strict=True))}, []
         for k, problem in enumerate(self.problems):
             own = self.of_side(k, p)
             rows = [np.broadcast_to(own[name], len(values)) for name in problem.names]
-            model = problem.draft if draft and problem.draft else problem.model
+            model = problem.low_fidelity if cheap and problem.low_fidelity else problem.model
             each.append(model(np.stack(rows, axis=1)))
         return np.hstack(each) if self.order is None else each[1] - each[0][:, self.order]
 
     def wider(self, problem: Problem, more: Sequence[Cause]) -> Problem:
         """The same with further causes."""
         made = replace(problem, causes=(*problem.causes, *more))
-        model, draft = (Cached(partial(self.predicted, made.names, k)) for k in (False, True))
-        return replace(made, model=model, draft=self.problems[0].draft and draft)
+        model, cheap = (Cached(partial(self.predicted, made.names, k)) for k in (False, True))
+        return replace(made, model=model, low_fidelity=self.problems[0].low_fidelity and cheap)
 
     def sides(self, values: Mapping[str, Any]) -> dict[str, dict[str, float]]:
         p = {**self.known, **values} if values else {}
@@ -238,7 +238,7 @@ def _words(predict: Predict, constants: Sequence[Parameter]) -> Vocabulary:
 
 
 def _free(constant: Parameter, value: float | None) -> Parameter:
-    """What both sides share, which is no cause: as stated about a known value, or else wider."""
+    """A shared constant, which is no cause: as stated about a known value, or else wider."""
     prior = constant.prior
     assert prior is not None
     if value is not None:

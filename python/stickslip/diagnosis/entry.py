@@ -96,7 +96,7 @@ def diagnose_model(
 def stated_terms(
     predict: Predict, uncertain: Sequence[Parameter] | None, causes: Sequence[Cause], data: Any
 ) -> Terms:
-    """What is stated, or what a model says of data, and the other causes."""
+    """The stated terms, or those of a model, and the other causes."""
     if uncertain is not None:
         return uncertain, causes
     if not hasattr(predict, "terms"):
@@ -135,7 +135,7 @@ def diagnosed(
 
 
 def _units(predict: Predict) -> dict[str, tuple[str, Sequence[str]]]:
-    """What the columns of a model's logs are called, and their SI units."""
+    """Names of the columns of a model's logs, and their SI units."""
     known: dict[str, tuple[str, Sequence[str]]] = {
         READINGS: ("the readings", ()), "t": ("time", ("s",))}  # fmt: skip
     columns: Any = getattr(predict, "columns", ())
@@ -150,7 +150,7 @@ one_blas_thread = partial(threadpool_limits, limits=1, user_api="blas")
 
 
 def fault_of(problem: Problem, beside: bool = False) -> Note | None:
-    """What is wrong with the data of a problem, if anything is; each table is asked.
+    """A fault of the data of a problem, if there is one; each table is asked.
 
     Tables `beside` others need not tell their errors.
     """

@@ -46,7 +46,7 @@ _MEANT = {
     "only 0-dimensional arrays": _ARRAYS,
     "must be real number, not": _ARRAYS,
 }
-"""What is meant by errors of NumPy in a user's model, by a part of their text."""
+"""Meanings of errors of NumPy in a user's model, by a part of their text."""
 
 _AT_ONCE = 1 << 19  # numbers of a block of predictions: 4 MiB; chosen
 _MOST_LOST = 0.1  # part of the rows that the model may not compute; chosen
@@ -128,7 +128,7 @@ def bare_problem(
     _check_names(records, fitted, named)
     _check_copies(records)
     _check_causes(records, fitted, named)
-    model = ForwardModel(predict, low_fidelity, tuple(constants), (*named, *freed(fitted)))
+    model = ForwardModel(predict, low_fidelity, tuple(constants), (*named, *relaxed(fitted)))
     _check_predict(predict, model)
     return Problem(records, constants=fitted, **_of_model(model, records, fitted))
 
@@ -163,8 +163,8 @@ def _of_first(count: int, problem: Problem) -> Problem:
                    if isinstance(table, Series))  # fmt: skip
     of_tables: Any = problem.model.anew if isinstance(problem.model, Cached) else None
     model = Cached(partial(of_tables.func, tables, *of_tables.args[1:]))
-    return replace(problem, tables=tables, model=model, draft=None, errors=(), roughness=None,
-                   shortened=None)  # fmt: skip
+    return replace(problem, tables=tables, model=model, low_fidelity=None, errors=(),
+                   simulator_noise=None, shortened=None)  # fmt: skip
 
 
 def tables_in(key: str, given: Any) -> Sequence[Table]:
@@ -177,7 +177,7 @@ def tables_in(key: str, given: Any) -> Sequence[Table]:
     return tables
 
 
-def freed(constants: Sequence[Parameter]) -> list[Cause]:
+def relaxed(constants: Sequence[Parameter]) -> list[Cause]:
     """A cause for each constant that is stated with a middle: it is other than stated."""
     names = [constant.name for constant in constants if constant.may_be_off]
     return [Cause(name, (), f"{name} is other than stated", frees=name) for name in names]
@@ -186,15 +186,15 @@ def freed(constants: Sequence[Parameter]) -> list[Cause]:
 def _of_model(
     model: ForwardModel, tables: tuple[Table, ...], constants: tuple[Parameter, ...]
 ) -> dict[str, Any]:
-    """What a problem has of a model: its causes, its predictions, and how it takes more causes."""
+    """A problem's share of a model: causes, predictions, and how it takes more causes."""
     causes = model.causes
     names = [*(c.name for c in constants), *(p.name for c in causes for p in c.parameters)]
-    draft = None
+    low_fidelity = None
     if model.low_fidelity is not None:
         cheap = replace(model, predict=model.low_fidelity, low_fidelity=None)
-        draft = Cached(partial(cheap.of_tables, tables, names))
+        low_fidelity = Cached(partial(cheap.of_tables, tables, names))
     return {
-        "model": Cached(partial(model.of_tables, tables, names)), "draft": draft,
+        "model": Cached(partial(model.of_tables, tables, names)), "low_fidelity": low_fidelity,
         "causes": causes, "wider": partial(_wider, model), "forward": partial(model.of_new, names),
     }  # fmt: skip
 
@@ -235,7 +235,7 @@ def _not_computed(problem: Problem, x: Array) -> Mask:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class ForwardModel(OneLine):
-    """What a forward model, and the instruments that read it, say of a table.
+    """A forward model with the instruments that read it.
 
     `uncertain` is as it was given. A cause that is a constant other than stated changes nothing
     here.
@@ -293,7 +293,7 @@ class ForwardModel(OneLine):
         return read_by(readers, list(at), vectors, physics, table)[inverse.reshape(-1)]
 
     def _answer(self, table: Table, p: Values, vectors: int) -> Array:
-        """What the own function returns, (vectors, rows), in an array of its own; NaN is allowed.
+        """The own function's answer, (vectors, rows), in an array of its own; NaN is allowed.
 
         What goes wrong at one vector is told with its values.
         """

@@ -9,8 +9,8 @@ import numpy as np
 from stickslip._util.arrays import Array
 from stickslip._util.note import Note
 from stickslip.diagnosis.decision.facts import Findings
+from stickslip.diagnosis.decision.misfit_test import GOF_LEVEL, goodness_of_fit, tested
 from stickslip.diagnosis.decision.posterior import posterior
-from stickslip.diagnosis.decision.test import ADEQUATE, adequacy, tested
 from stickslip.diagnosis.decision.verdict import Verdict, decide
 from stickslip.diagnosis.fitting.descent import finished
 from stickslip.diagnosis.fitting.law_forms import with_forms
@@ -20,7 +20,7 @@ from stickslip.diagnosis.fitting.responses import responses
 from stickslip.diagnosis.fitting.search import Models, Progress, screened, search
 from stickslip.diagnosis.fitting.starts import recalibrated
 
-# Draws about the recalibrated model that show its roughness, and their widths: a share of what the
+# Draws about the recalibrated model that show its own noise, and their widths: a share of what the
 # data leave open, and at most so many standard deviations of the priors. Chosen: well within both.
 _DRAWS, _SHARE, _WIDEST = 24, 0.3, 0.02
 _FAR = 10.0  # standard deviations of a prior; chosen: no slip of an estimate is as large
@@ -52,7 +52,11 @@ def run(
             # on each of two sides, which may be one that both have.
             names = models.leaders(1)[0].names
             plain, sides = models.get(names), {name.partition("[")[2] for name in names}
-            if plain is None or len(sides) > 1 or adequacy(models.problem, plain) < ADEQUATE:
+            if (
+                plain is None
+                or len(sides) > 1
+                or goodness_of_fit(models.problem, plain) < GOF_LEVEL
+            ):
                 say(0.8, "laws of a free shape")
                 laws = problem.laws(problem, models.null.x)
                 wider = problem.wider(problem, laws)
@@ -73,11 +77,11 @@ def run(
 def moved_constants(findings: Findings) -> list[Note]:
     """A note on each stated constant that the told model moves far from its prior."""
     fit = findings.verdict.fit or findings.models.null
-    freed = {cause.frees for cause in fit.causes}
+    relaxed = {cause.frees for cause in fit.causes}
     notes = []
     for k, constant in enumerate(findings.problem.constants):
         moved = abs(fit.x[k]) > _FAR
-        if constant.is_stated and constant.name not in freed and moved:
+        if constant.is_stated and constant.name not in relaxed and moved:
             far = f"{abs(fit.x[k]):.0f} of its stated errors"
             text = f"{constant.name} is {far} from its stated value."
             notes.append(Note("constant-far", text, float(fit.x[k])))
@@ -92,13 +96,13 @@ def _with_own_errors(problem: Problem, null: Fit, seed: int) -> tuple[Problem, F
     """
     level = problem.y - null.residual
     problem = problem.with_shared_errors_at(level)
-    problem = replace(problem, roughness=_roughness(problem, null, seed))
+    problem = replace(problem, simulator_noise=_simulator_noise(problem, null, seed))
     form = Models(problem, ()).forms["exact"]
     again = finished(problem, minimise(problem, form, (), null.x, slopes=null.slopes))
     return problem, finished(problem, sharpened(problem, form, again))
 
 
-def _roughness(problem: Problem, null: Fit, seed: int) -> Array:
+def _simulator_noise(problem: Problem, null: Fit, seed: int) -> Array:
     """Scatter of the predictions about a plane under tiny changes of the constants, shape (n,)."""
     p = len(null.free)
     random = np.random.default_rng([seed, 5])

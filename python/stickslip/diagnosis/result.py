@@ -1,4 +1,4 @@
-"""What a person gets from a diagnosis."""
+"""The result of a diagnosis."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ from stickslip.errors import ScenarioError
 
 _TIME, _ERROR = "t", "sd"
 _ALSO = {_TIME: ("time", "timestamp", "unix", "unix time", "datetime", "clock", "date")}
-"""What columns are called, too."""
+"""Further names of columns."""
 
 _TURN = 2.0 * math.pi
 """Largest angle without a unit, rad. Chosen: beyond a turn it may be in degrees as well."""
@@ -52,7 +52,7 @@ of them would be seen."""
 
 
 class Columns(NamedTuple):
-    """What a model takes of a log.
+    """Columns of a log that a model takes.
 
     Attributes
     ----------
@@ -118,7 +118,7 @@ class _Log(Recipe):
         return _Log(entries, gaps=marks_of_none, wanted=wanted, also_reads=reads)
 
     def matched(self, headings: Sequence[str]) -> list[Match]:
-        """What the columns are; a ScenarioError names one that is missing, or may be two."""
+        """The meaning of each column; a ScenarioError names one that is missing, or may be two."""
         refuse_twice(headings)
         refuse_twice([name for name in (split_unit(text)[0] for text in headings)
                       if name in self.entries])  # fmt: skip
@@ -240,7 +240,7 @@ class _Heading(NamedTuple):
 
     @staticmethod
     def of(text: str) -> _Heading:
-        """Of a text; ``_time`` and ``%time`` are a time, and ``rpm`` alone is a unit."""
+        """A heading by its text; ``_time`` or ``%time`` is a time, and ``rpm`` alone is a unit."""
         name, unit = split_unit(text)
         bare = unit is None and len(name) > 2 and is_unit(name)
         return _Heading(text, name.strip("_%"), name if bare else unit)

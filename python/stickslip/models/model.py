@@ -1,4 +1,4 @@
-"""What all models have in common: their terms, the causes that these become, and their readings."""
+"""Common ground of all models: their terms, the causes that these become, and their readings."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from stickslip.models.log import Columns
 from stickslip.models.physics import Inputs
 
 Known = float | tuple[float, float] | Prior
-"""What is known of a term: its value; its value and standard deviation; or a Prior."""
+"""Knowledge of a term: its value; its value and standard deviation; or a Prior."""
 
 Physics = Callable[[Array, Inputs, Mapping[str, Array]], Array]
 """``physics(t, inputs, values)``: states, (readings, states, vectors), at times, (readings,).
@@ -249,7 +249,7 @@ class Model(OneLine):
 
     @property
     def columns(self) -> Columns:
-        """What it takes of a log, for `read_log`."""
+        """Columns of a log that it takes, for `read_log`."""
         inputs = {name: tuple(unit.split(" or ")) for name, unit in self.kind.inputs.items()}
         # Of these a constant may be stated in place of a column.
         assumed = {name: term.absent for name, term in self.kind.every.items()

@@ -17,7 +17,7 @@ from stickslip.scenario.keys import FIELDS
 from stickslip.scenario.scenario import Scenario
 
 BASE = Scenario().replace({"solver.rtol": 1e-6})
-"""What all simulations of a scan have in common; the tolerance is enough for mean velocities."""
+"""Settings of all simulations of a scan; the tolerance is enough for mean velocities."""
 
 MODES = ("IPP", "OPP")
 
@@ -140,7 +140,7 @@ SCANS = {
     ),
     "field": Scan("drive.peak", _FIELD_AXIS, _FIELDS, 30.0),
 }
-"""What each statement and figure varies."""
+"""Varied settings of each statement and figure."""
 
 FIELDS_TOGETHER = Scan("drive.peak", _FIELD_AXIS, _FIELDS, 30.0, proportional=True)
 """Peak, base and hold in proportion, where "field" varies the peak alone."""

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from stickslip.simulation.simulate import Progress
 
 Walks = Mapping[str, xarray.Dataset]
-"""What the settings of each mode do: a dimension with the mode's name, and one for each scan.
+"""Walks at the settings of each mode: a dimension with the mode's name, and one for each scan.
 
 - `mode`, `edge`, `clamp`, `base`, `hold`: the setting, T;
 - `over_frequency`, `over_friction`, ...: mean velocity over the values of each scan of `SCANS`,

@@ -52,7 +52,7 @@ class Held:
 
     @property
     def section(self) -> str:
-        """That of its key."""
+        """The value of its key."""
         return self.key.rpartition(".")[0]
 
     @property
@@ -74,7 +74,7 @@ class Held:
 
     @property
     def hint(self) -> str:
-        """What Python has in place of a path."""
+        """Python's object in place of a path."""
         name, maker = self.class_name, self.maker.partition(":")[2]
         article = "an" if name[0] in "AEIO" else "a"
         return f"in Python, {self.key} takes {article} {name}, such as {maker}(path)"

@@ -1,4 +1,4 @@
-"""What robots are made of, what they lie in, and the force of a fluid on a body in it."""
+"""Materials of robots, fluids around them, and the force of a fluid on a body in it."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ LIQUIDS: Mapping[str, Liquid] = {
 
 @dataclass(frozen=True)
 class Fluid:
-    """What a robot lies in.
+    """A fluid around a robot.
 
     Attributes
     ----------
@@ -208,7 +208,7 @@ def wall_factors(gap: float) -> tuple[float, float]:
 
 
 class LeftOut(NamedTuple):
-    """What the model leaves out of a fluid's force on a robot, as parts.
+    """Parts of a fluid's force on a robot that the model leaves out.
 
     Attributes
     ----------
@@ -228,7 +228,7 @@ class LeftOut(NamedTuple):
 
 
 def left_out(fluid: Fluid, robot: Any, frequency: float, speed: float) -> LeftOut:
-    """What the model leaves out at a frequency, Hz, and a steady speed, m/s; zero for none."""
+    """Parts that are left out at a frequency, Hz, and a steady speed, m/s; zero for none."""
     radius, volume = equal_radius(robot), robot.length * robot.width * robot.height
     drag = mass = film = 0.0
     if frequency > 0.0:

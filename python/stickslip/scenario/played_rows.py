@@ -57,7 +57,7 @@ class PlayedRows:
         return float(np.abs(self.rows[:, 1:]).max())
 
     def to_core(self) -> Array:
-        """What the core takes of it."""
+        """The core's form of it."""
         return self.rows
 
     def to_json(self) -> str:
@@ -112,7 +112,7 @@ class Accelerations(PlayedRows):
     _columns: ClassVar = {"t": "s", "ax": "m/s^2", "az": "m/s^2"}
 
     mean: tuple[float, float]
-    """What is subtracted along x and z, m/s^2."""
+    """Offsets that are subtracted along x and z, m/s^2."""
 
     def __init__(self, rows: ArrayLike) -> None:
         super().__init__(rows)

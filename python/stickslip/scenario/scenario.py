@@ -255,7 +255,7 @@ class Scenario:
 
     @property
     def content(self) -> Content:
-        """What its file states."""
+        """The statements of its file."""
         return Content(self._core, self._held, self._uncertain)
 
     def document(self) -> dict[str, str]:
@@ -380,7 +380,7 @@ class Scenario:
 
     @property
     def fluid(self) -> Fluid | None:
-        """What `in_fluid`, or ``[fluid]`` of a file, put the robot into."""
+        """The fluid of `in_fluid`, or of ``[fluid]`` of a file."""
         return self._held.get(_FLUID)
 
     def without_record(self) -> Scenario:

@@ -22,7 +22,7 @@ STATE_COLUMNS = tuple(_core.state_columns)
 """
 
 CONTACT_WORDS = tuple(_core.contact_words)
-"""What `State.contact` may be."""
+"""Values of `State.contact`."""
 
 OneCoil = namedtuple("OneCoil", [key.field for key in keys_of("coil.xp")])
 OneCoil.__doc__ = "Values of one coil, as those of `Coil`."
@@ -33,7 +33,7 @@ class Drive(Section, key="drive"):
 
     @property
     def kind(self):
-        """What its voltages are: a sawtooth, a program, or none."""
+        """Kind of its voltages: a sawtooth, a program, or none."""
         return _core.drive_kinds[self.mode]
 
     @property

@@ -36,7 +36,7 @@ _MOST_BYTES = 1 << 20
 
 
 class Content(NamedTuple):
-    """What the file of a scenario states."""
+    """The file of a scenario."""
 
     core: _core.Scenario
     held: Mapping[str, Any]  # objects by their keys
@@ -44,7 +44,7 @@ class Content(NamedTuple):
 
 
 class Stated(NamedTuple):
-    """What was read of a scenario's file."""
+    """A scenario's file as it was read."""
 
     changes: dict[str, Any]  # by dotted key, as `Scenario.replace` takes them
     held: dict[str, Any]  # objects that a section states, by their keys
@@ -69,7 +69,7 @@ def read_document(
 
 
 def stated(document: Mapping[str, Any], folder: Path | None) -> Stated:
-    """What a document states; without a folder, for its paths, no file is read."""
+    """The scenario of a document; without a folder, for its paths, no file is read."""
     _check_version(document)
     known = [*SECTIONS, "effects", "laws", *TABLES, "uncertain"]
     changes: dict[str, Any] = {}
@@ -172,7 +172,7 @@ def write_scenario(content: Content, path: Path, comments: Sequence[str] = ()) -
 def scenario_writers(
     content: Content, path: Path, comments: Sequence[str] = (), voltages: str | None = None
 ) -> dict[Path, Callable[[Path], object]]:
-    """What `write_together` needs for all files of a scenario; see `files_of`."""
+    """Writers of all files of a scenario, for `write_together`; see `files_of`."""
     files = files_of(content, path, voltages)
     return {
         path: text_writer(scenario_text(content, files, comments)),

@@ -118,7 +118,7 @@ class JointPrior:
 
 
 def as_joint_prior(given: object) -> JointPrior:
-    """What `Scenario` takes as `uncertain`: a `JointPrior`, or the tables of ``[uncertain]``."""
+    """Forms of `uncertain` of a `Scenario`: a `JointPrior`, or the tables of ``[uncertain]``."""
     if isinstance(given, JointPrior):
         return given
     if not isinstance(given, Mapping):

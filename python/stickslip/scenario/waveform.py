@@ -181,7 +181,7 @@ class Waveform:
         return cls._pulsed("OPP", coil, drive)
 
     @staticmethod
-    def _pulsed(mode: str, coil: Coil | None, fields: dict[str, Any]) -> Waveform:
+    def _pulsed(mode: Literal["IPP", "OPP"], coil: Coil | None, fields: dict[str, Any]) -> Waveform:
         for name in ("mode", "program"):
             if name in fields:
                 refuse(f"drive.{name}", fields[name], f"none, as the voltages are those of {mode}")
@@ -233,7 +233,7 @@ class Waveform:
             writer.writerows(np.column_stack(self.points()).tolist())
 
     def to_core(self) -> _core.VoltageProgram:
-        """What the core takes of it."""
+        """The core's form of it."""
         return self._core
 
     def to_json(self) -> str:

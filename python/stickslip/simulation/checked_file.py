@@ -108,7 +108,7 @@ class _Checked(io.RawIOBase):
 
 @contextlib.contextmanager
 def checked(path: str | PathLike[str]) -> Iterator[tuple[BinaryIO | str, bool]]:
-    """What HDF5 is to open in place of a path, and whether in the mode for files that grow.
+    """The file for HDF5 in place of a path, and whether to open it as one that grows.
 
     Whatever is wrong with the file, also if it is found while it is read within the block, becomes
     a ScenarioError of one line, which does not name the file.

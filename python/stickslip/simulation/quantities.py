@@ -33,7 +33,7 @@ INNER_COLUMNS: tuple[str, ...] = _core.inner_columns
 """Those of a robot with an inner mass alone."""
 
 WORDS = {"contact": tuple(_core.contact_words)[1:], "event": tuple(_core.events)}
-"""What the numbers of a quantity stand for, where they stand for words."""
+"""Words of the numbers of a quantity, where they stand for words."""
 
 
 def recorded_names(scenario: Scenario) -> tuple[str, ...]:

@@ -115,7 +115,7 @@ def finished(data: xarray.Dataset, points: Points) -> xarray.Dataset:
 
 
 def things_of(points: Points) -> str:
-    """What the points are, in words."""
+    """The points in words."""
     return "simulations" if DRAW in points.sizes else "points"
 
 

@@ -118,7 +118,7 @@ def _bends(fields: Array, theta: Array) -> tuple[Array, Array]:
 
 
 def _lines(fields: Array, theta: Array) -> Array:
-    """What a curve through the conditions may be without noise, shape (m, columns).
+    """A basis of curves through the conditions without noise, shape (m, columns).
 
     It is linear between every second condition. A condition at a bend, and one at which the curve
     is exactly flat and says nothing of the noise elsewhere, is free.

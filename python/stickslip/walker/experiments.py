@@ -162,7 +162,7 @@ def _why(first: str, second: str, chi2: float, is_later: bool) -> Note:
 
 
 def advice(names: Mapping[str, str], experiments: Sequence[Experiment]) -> list[Note]:
-    """What to measure beside the drive, and whether no drive tells the candidates apart.
+    """Advice beside the drive, and whether no drive tells the candidates apart.
 
     `names` are the causes of a set: how each is said, by its name.
     """
@@ -225,7 +225,7 @@ def trial_table(
 
 
 def prediction_table(measurement: Measurement, experiments: Sequence[Experiment]) -> DataFrame:
-    """What each candidate predicts of each experiment, counted from 1: `velocity`, `sd`, m/s."""
+    """Predictions of each experiment, counted from 1, by each candidate: `velocity`, `sd`, m/s."""
     rows, columns = [], setting_columns(measurement)
     for number, experiment in enumerate(experiments, start=1):
         settings = {name: experiment.drive[name] for name in columns}

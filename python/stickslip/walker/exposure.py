@@ -1,4 +1,4 @@
-"""What a camera makes of a motion: frames that are late, blurred, turned, scaled and few.
+"""Frames of a motion by a camera: late, blurred, turned, scaled and few.
 
 A rocking at 421 Hz that 200 frames a second alias to 21 Hz is aliased here too: nothing is filtered
 out.
@@ -40,7 +40,7 @@ _RATES = {"x": "vx", "z": "vz", "theta": "omega"}
 
 
 @dataclass(frozen=True)
-class Exposure:
+class CameraModel:
     """A camera and its synchronisation with the drive.
 
     A frame shows the mean over the `exposure`, s, with its time in the middle, and is taken by

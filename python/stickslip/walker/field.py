@@ -124,7 +124,7 @@ def _numbers(values: Array) -> str:
 
 
 def _design(shares: Array) -> Array:
-    """What a field may be without noise, shape (3 n, columns), from shares, shape (n, 5, 3).
+    """A basis of fields without noise, shape (3 n, columns), from shares, shape (n, 5, 3).
 
     A probe that is turned a little reads the field and a share of it across: that is no noise.
     """

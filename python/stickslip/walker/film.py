@@ -20,7 +20,7 @@ from stickslip.diagnosis.data.noise import Draws
 from stickslip.diagnosis.report.pictures import plain_axes
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.scenario.keys import known_keys
-from stickslip.walker.exposure import Exposure, Recording, record, recording_rate, rocking
+from stickslip.walker.exposure import CameraModel, Recording, record, recording_rate, rocking
 from stickslip.walker.folding import Kind, fold, frame_errors, reduce, undrifted
 from stickslip.walker.instruments import of_films
 from stickslip.walker.outliers import far_from_their_phase
@@ -44,7 +44,7 @@ _OF_ALL = {
     "film_clipping.limit": "angle_limit",
     "marker_place.along": "marker_along", "marker_place.across": "marker_across",
 }  # fmt: skip
-"""What all films have alike, by its name in `Exposure`."""
+"""Errors that all films share, by their names in `CameraModel`."""
 
 _ANGLE_OFFSET, _SCALE, _TRIGGER = math.radians(1.0), 0.01, 3e-4
 """Standard deviations of a camera's zero, rad, of its angles' and a current's scale, and of the
@@ -204,7 +204,7 @@ class FilmTable(SimulatedTable):
     def _frames_of(
         self, motion: Recording | None, p: Mapping[str, float] | None = None
     ) -> dict[str, Array] | None:
-        """What the camera makes of a motion, at values of `nuisance` and `instruments`."""
+        """Frames of a motion, at values of `nuisance` and `instruments`."""
         if motion is None:
             return None
         p = p or {}
@@ -213,11 +213,11 @@ class FilmTable(SimulatedTable):
         for common, name in _OF_ALL.items():
             if common in p:  # beside what this film has of it
                 values[name] = values.get(name, 0.0) + p[common]
-        camera = Exposure(self.film.exposure, **values, facing=self.film.scenario.drive.facing)
+        camera = CameraModel(self.film.exposure, **values, facing=self.film.scenario.drive.facing)
         return camera.frames(motion, self.film.columns["t"], list(self.columns or _KINDS))
 
     def _uncertain(self) -> tuple[Parameter, ...]:
-        """What is uncertain of this camera alone."""
+        """Uncertain parameters of this camera alone."""
         # A frame's time may mark the middle of the exposure or its beginning, so a long exposure
         # makes the trigger less certain.
         trigger = math.hypot(_TRIGGER, 0.25 * self.film.exposure)

@@ -1,4 +1,4 @@
-"""What cameras, markers and probes do to the readings of a measured walker, as causes.
+"""Errors of cameras, markers and probes of a measured walker, as causes.
 
 Each function gives those of one kind of table, with usual sizes; the diagnosis of a measurement
 adds them by itself.
@@ -94,7 +94,7 @@ def _turned(readings: Array, _: Array, p: dict[str, Array], table: Table) -> Arr
 
 
 def of_films(theta: Array) -> tuple[Cause, ...]:
-    """What may be wrong with all films alike; `theta` are angles of one, rad, shape (n,).
+    """Errors of all films alike; `theta` are angles of one, rad, shape (n,).
 
     These causes have no `read`: the camera of a film applies them.
     """

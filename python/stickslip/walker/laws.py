@@ -69,7 +69,7 @@ _WITHIN = 0.98
 instant of an impact would stretch the curve."""
 
 _LEAST_PITCH, _MOST_PITCH = 1e-2, 3.2
-"""Of the last knot over the pitch, rad: what the core allows."""
+"""Largest place of a knot over the pitch, rad: what the core allows."""
 
 _POINTS = 61
 """Points among which a knot's place is sought: a multiple of the knots' spacings."""
@@ -81,7 +81,7 @@ def laws(
     """The simulator's laws of a free shape whose arguments reach as far as these spans.
 
     Together they have the prior odds of one cause. `scenario` is the recalibrated model. The
-    constant of a law is freed with it, if `uncertain` has its dotted key. `spans` are those of
+    constant of a law is relaxed with it, if `uncertain` has its dotted key. `spans` are those of
     `find_spans`: by effect, in the argument's unit.
     """
     odds = 1.0 / max(len(spans), 1)
@@ -156,7 +156,7 @@ class _Statement:
 
 
 def _fixed(effect: str, span: float) -> dict[str, Value]:
-    """What a law has beside its knots, by dotted key."""
+    """Further values of a law, by dotted key."""
     _, argument, quantity = _PLACES[effect]
     if not quantity:
         return {f"{PREFIX}{effect}.span": span}
@@ -167,7 +167,7 @@ def _fixed(effect: str, span: float) -> dict[str, Value]:
 
 
 def _design(scenario: Scenario, effect: str, keys: Sequence[str], argument: Array) -> Array:
-    """What each knot adds to the curve of the core, shape (*argument.shape, knots)."""
+    """The share of each knot in the curve of the core, shape (*argument.shape, knots)."""
     flat = np.ravel(argument)
     ones = [scenario.replace({key: 1.0}).to_core().free_curve(effect, flat) for key in keys]
     return np.stack(ones, axis=1).reshape(*np.shape(argument), len(keys))
@@ -218,7 +218,7 @@ def find_spans(scenarios: Sequence[Scenario], threads: int) -> dict[str, float]:
 
 
 def fixed_numbers(causes: Iterable[Cause]) -> dict[str, float]:
-    """What the simulator's laws have beside their parameters, by dotted key, words by their place.
+    """Further values of the simulator's laws, by dotted key, words by their place.
 
     It has to be set wherever one of their parameters is.
     """

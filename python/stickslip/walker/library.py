@@ -29,7 +29,7 @@ surprise where nothing else is known, as of a user's own effect."""
 _SIZE = "size", "low", "high", "negligible", "fineness"
 
 _ACROSS = {"effects.ambient_field.By", "effects.surface_tilt.azimuth"}
-"""What pushes or turns a robot out of the plane y = 0 of the data."""
+"""Effects that push or turn a robot out of the plane y = 0 of the data."""
 
 
 @functools.cache

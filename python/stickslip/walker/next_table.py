@@ -46,7 +46,7 @@ class Rounds:
     trials: int = 0
 
     def proposed(self, facts: Facts) -> list[Experiment]:
-        """What is to be measured next, within the budget."""
+        """The next conditions to measure, within the budget."""
         return facts.worth_measuring(max(min(self.most, self.budget - self.measured), 0))
 
     def write(self, facts: Facts) -> None:
@@ -63,7 +63,7 @@ class Rounds:
         write_together({path: text_writer(text) for path, text in texts.items()})
 
     def lines(self, facts: Facts) -> list[str]:
-        """What was read, whether the name is safe, and else what to measure and why."""
+        """Lines on what was read, whether the name is safe, and else what to measure and why."""
         path, experiments, lines = self.folder / TABLE, self.proposed(facts), []
         read, wanted, budget = (
             counted(n, "experiment") for n in (self.measured, len(experiments), self.budget)

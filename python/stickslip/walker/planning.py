@@ -1,4 +1,4 @@
-"""What to measure first, before there are data: the drives that tell most causes apart."""
+"""First measurements, before there are data: the drives that tell most causes apart."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 FILES = "measurement.toml", "scenario.toml", "velocity.csv", "protocol.md"
-"""What `Plan.save` writes."""
+"""Files of `Plan.save`."""
 
 NOISE = 0.05
 """Relative standard deviation of one trial if nothing is said; as in the measured tables."""
@@ -112,7 +112,7 @@ class Plan:
         return pd.DataFrame(rows)
 
     def protocol(self) -> str:
-        """What to do, on a page."""
+        """The plan on a page."""
         words = settings_of(self.drives).words
         seen = [self.words[name] for name, can in zip(self.causes, self.seen, strict=True) if can]
         unseen = [self.words[name] for name in self.causes if self.words[name] not in seen]

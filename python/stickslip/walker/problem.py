@@ -126,7 +126,7 @@ def posed_against(
 
 
 class Simulated:
-    """What tables predict, each kept by the columns that count for it."""
+    """Predictions of tables, each kept by the columns that count for it."""
 
     jumps = True
 

@@ -27,7 +27,7 @@ from stickslip.walker.outliers import NEIGHBOURS, ONE_TRACK, lost_frames, one_pl
 
 REQUIRED = {"t": "s", "x": "m", "theta": "rad"}
 _TRACKED = "", "track", "particle", "robot", "object"
-"""What columns number where several bodies were tracked."""
+"""Columns that number bodies where several were tracked."""
 
 _OPTIONAL = {"z": "m", "current_x": "A", "current_clamp": "A"}
 

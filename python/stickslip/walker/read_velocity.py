@@ -55,7 +55,7 @@ _MOST = 0.5
 """Part of the rows; if more have a number in another unit, the table is refused. Chosen: most."""
 
 _DRIVE, _EFFECTS = "drive.", "effects_"
-"""What keys of settings begin with, and what those of effects may leave out of a column's name."""
+"""Prefixes of keys of settings; a column's name may leave out those of effects."""
 
 NOT_SETTINGS: Mapping[str, str | None] = {
     "velocity": "m/s", "trial": None, "block": None, "order": "-",
@@ -72,7 +72,7 @@ _CALLED = {
     "direction": ("dir", "sense", "heading"), "pulses": ("cycles", "n pulses", "steps"),
     "": ("duty", "duty cycle", "phase", "gain", "voltage", "current", "power"),
 }  # fmt: skip
-"""What settings are called in laboratories, too; the last ones are of no key."""
+"""Further names of settings in laboratories; the last ones are of no key."""
 
 _BESIDE = {
     "index", "no", "nr", "number", "n", "id", "run", "repeat", "repetition", "rep", "film", "file",

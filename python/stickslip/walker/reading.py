@@ -259,7 +259,7 @@ def _measurement(document: dict[str, Any], path: Path) -> Measurement:
 def _tables(
     document: dict[str, Any], path: Path, scenario: Scenario, read: list[Path]
 ) -> tuple[dict[str, list[Any]], list[Note]]:
-    """What can be used of the tables of each observable, and what was left out of them.
+    """Usable rows of the tables of each observable, and what was left out of them.
 
     Their files join those that were `read`.
     """

@@ -30,7 +30,7 @@ BUDGET = PROPOSED
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Round(OneLine):
-    """What was said before some experiments, and what they gave.
+    """A verdict before some experiments, and their results.
 
     Attributes
     ----------
@@ -122,7 +122,7 @@ def _measured(result: Diagnosis, measure: _Measure, count: int) -> list[DataFram
 
 
 def _velocities(measure: _Measure, drive: dict[str, Value]) -> Array:
-    """What is measured at a drive, without gaps."""
+    """Readings at a drive, without gaps."""
     readings = measure(drive)
     what, allowed = f"measure({shown(drive)})", "numbers in m/s, one for each trial"
     velocities = np.atleast_1d(numbers(what, readings, allowed, unit="m/s", gaps=True))

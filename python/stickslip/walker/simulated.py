@@ -1,4 +1,4 @@
-"""What all tables have in common whose model is the simulator."""
+"""Common ground of all tables whose model is the simulator."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class SimulatedTable(Table):
     """
 
     words = ""
-    """What its readings are called."""
+    """The name of its readings."""
     section = ""
     """Its section in a measurement file, as messages begin with it."""
     number = 0
@@ -55,7 +55,7 @@ class SimulatedTable(Table):
         return read_by(self.instruments, names, values, self.physics, self)
 
     def physics(self, names: Sequence[str], values: Array) -> Array:
-        """What a perfect instrument reads, for values of scenario keys."""
+        """Readings of a perfect instrument, for values of scenario keys."""
         raise NotImplementedError
 
     def low_fidelity(self, names: Sequence[str], values: Array) -> Array:
@@ -73,7 +73,7 @@ class SimulatedTable(Table):
         return None
 
     def remarks(self) -> list[Note]:
-        """What a reader should know of readings that can be used."""
+        """Notes on readings that can be used."""
         return []
 
     @property

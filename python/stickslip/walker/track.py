@@ -22,7 +22,7 @@ FEWEST = 8
 """Frames in the measuring window. Chosen: five are left to tell the noise of a frame."""
 
 _HARMONICS = 20
-"""Of the motion within a pulse. Chosen: its corners fall off as 1 / k^2, so 1/400 is left."""
+"""Harmonics of the motion within a pulse. Chosen: corners fall off as 1 / k^2: 1/400 is left."""
 
 _SWAY = 0.1
 """Prior standard deviation of the first harmonic, in body lengths. Chosen: a body that rocks by

@@ -161,7 +161,7 @@ class VelocityTable(SimulatedTable):
         return np.asarray(velocity.reshape(vectors, count), dtype=float)
 
     def at_drives(self, drives: Conditions) -> Self:
-        """What is predicted at other drives; it has no readings."""
+        """A table of other drives, to be predicted; it has no readings."""
         return self.having(conditions=list(drives), mean=np.full(len(drives), np.nan))
 
     def _setting(self, condition: Mapping[str, Value], key: str) -> Value:
@@ -217,7 +217,7 @@ class VelocityTable(SimulatedTable):
         return notes + self._notes_of_runs()
 
     def _notes_of_runs(self) -> list[Note]:
-        """What the stated model's runs at the measured conditions are noted for."""
+        """Notes on the stated model's runs at the measured conditions."""
         points = from_changes(self.scenario, self.conditions)
         rows = points.rows(np.arange(points.count))
         columns, _ = _core.sweep(points.scenario.to_core(), points.keys, rows, self.threads)

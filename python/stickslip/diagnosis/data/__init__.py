@@ -1,1 +1,1 @@
-"""What is known of measured data before any fit: its noise, and whether it can be right."""
+"""Measured data before any fit: their noise, and whether they can be right."""

@@ -77,7 +77,7 @@ class Errors(OneLine):
     def alike(
         sd: float, readings: Array | Indices, dof: float, *notes: Note, of_fit: bool = False
     ) -> Errors:
-        """Of means of so many readings each, shape (m,), which share one standard deviation."""
+        """Errors of means of so many readings each, shape (m,), with one standard deviation."""
         sizes = {"s0": sd, "rho": 0.0}
         return Errors(sd / np.sqrt(readings), None, dof, sizes, notes, of_fit=of_fit)
 
@@ -337,7 +337,7 @@ class _Scatter(OneLine):
 
     @cached_property
     def noise(self) -> Noise:
-        """Of the readings of conditions that move."""
+        """The noise of the readings of conditions that move."""
         rows, c, m = self.order, self.condition[self.order], len(self.mean)
         levels = csr_array(
             (self.pooled / self.unit[rows], (np.arange(len(rows)), c)), (len(rows), m)

@@ -30,7 +30,7 @@ _ENDS = {
     for end in (-(2.0 ** (bits - 1)), 2.0 ** (bits - 1) - 1.0, 2.0**bits - 1.0)
 }
 _ENORMOUS, _MARK_SPANS = 1e20, 20.0
-"""What meters write for no value besides nines: ends of whole numbers, and larger than any size, as
+"""Marks of meters for no value besides nines: ends of whole numbers, and larger than any size, as
 NumPy's 1e20; and spans of all others beyond which they are no value. Chosen: settings that are
 decades apart have ten."""
 FEW = 0.05
@@ -56,7 +56,7 @@ def robust_sd(deviation: Array, axis: int | None = None) -> Array:
 
 
 def far_from_all_others(y: Array) -> Mask:
-    """Which readings of a record, a few and at most neighbours of one value, are beyond all others."""
+    """Which readings of a record, a few or neighbours of one value, are beyond all others."""
     far = np.zeros(len(y), dtype=bool)
     order = np.argsort(np.abs(y - np.median(y)), kind="stable")
     for count in range(1, _SINGLE + 1) if len(y) >= _RECORD else ():

@@ -195,7 +195,7 @@ class Series(Table):
 
     @property
     def at(self) -> str:
-        """What messages begin with."""
+        """The start of messages."""
         return f"series {self.name}: " if self.name else "series: "
 
     def __getitem__(self, column: str) -> Array:
@@ -281,7 +281,7 @@ def _unit_of_input(values: ArrayLike, unit: str) -> str | None:
 
 
 def _lost(at: str, readings: Array, rows: Indices) -> Note:
-    """What is said of alike readings of a lost sensor, which are left out if they are few."""
+    """A note on alike readings of a lost sensor, which are left out if they are few."""
     few = len(rows) <= FEW * len(readings)
     text = (
         f"{at}{rows_in_words(rows)}: {len(rows)} of {len(readings)} readings are "

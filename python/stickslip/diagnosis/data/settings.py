@@ -14,7 +14,7 @@ from stickslip._util.units import handy
 from stickslip.diagnosis.terms.amounts import digits_for
 
 ROW = "row"
-"""What stands for a setting where none is a number."""
+"""The setting of tables in which none is a number."""
 
 
 class Settings(dict[str, tuple[list[Any], str]]):
@@ -69,7 +69,7 @@ class Settings(dict[str, tuple[list[Any], str]]):
 
     @property
     def usual(self) -> dict[str, Any]:
-        """Of the numbers that vary the value that more than half of the conditions have, by name.
+        """The value that more than half of the conditions have, by name of a number that varies.
 
         None where there is no such value: then each is told.
         """

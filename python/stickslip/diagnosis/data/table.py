@@ -61,7 +61,7 @@ _LIKENESS = 0.3
 of the usual size change predictions by less."""
 
 READINGS = ""
-"""What the readings are called among the columns of a table."""
+"""Name of the readings among the columns of a table."""
 
 
 class Table:
@@ -129,11 +129,11 @@ class Table:
     own_notes: tuple[Note, ...] = ()
     """Notes that do not depend on the errors."""
     side = ""
-    """Of which of two states it is, where they are compared."""
+    """Which of two states it is of, where they are compared."""
     left_out: Sequence[Note] = ()
-    """What was read and is not used."""
+    """Notes on what was read and is not used."""
     inputs: Mapping[str, Array] = {}
-    """What was put in, by name; only a record has such."""
+    """Inputs by name; only a record has such."""
     unstated: Collection[str] = ()
     """Columns whose unit the data do not state."""
     less: tuple[Table, Indices] | None = None
@@ -251,7 +251,7 @@ class Table:
 
     @property
     def at(self) -> str:
-        """What messages begin with."""
+        """The start of messages."""
         return f"table {self.name}: " if self.name else "table: "
 
     # ------------------------------------------------------------------ how it is told
@@ -262,7 +262,7 @@ class Table:
 
     @property
     def title(self) -> str:
-        """What its readings are called; "" where they have no name."""
+        """The name of its readings; "" where they have none."""
         return self.name
 
     @property
@@ -289,7 +289,7 @@ class Table:
         return "-"
 
     def elsewhere(self, condition: int, over: str, places: Array) -> Any:
-        """What the model takes at a condition and other places of a setting; None if it cannot."""
+        """Settings as of a condition, at other places of one of them; None if there are none."""
         if not isinstance(self.settings, dict):
             return None
         row, count = self.first[condition], len(places)
@@ -316,7 +316,7 @@ class Table:
 
     # ------------------------------------------------------------------ what is wrong with it
     def data_fault(self, stated: Array, alone: bool = True) -> Note | None:
-        """What is wrong with the readings, before any cause is blamed; None of sound ones.
+        """A fault of the readings, before any cause is blamed; None of sound ones.
 
         Parameters
         ----------
@@ -514,7 +514,7 @@ def _as_array(what: str, settings: Any, columns: Mapping[Any, Array]) -> Array:
 
 
 def _equal(key: Any, values: Array, notes: list[Note]) -> list[Any]:
-    """What stands for each value of a column, the same for equal settings."""
+    """A representative of each value of a column, the same for equal settings."""
     if values.dtype.kind != "f":
         return list(values)
     same = representatives(values.tolist())

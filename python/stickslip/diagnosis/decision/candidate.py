@@ -103,7 +103,7 @@ class Candidate(OneLine):
 
     @property
     def left(self) -> dict[str, Any]:
-        """What is left beside the causes: the discrepancy.
+        """The discrepancy that is left beside the causes.
 
         Keys are `form`; `kappa`, the scatter in the stated errors; `size`, of each table in the
         unit of its readings; for ``ar1`` `correlation`, how many places of a run it lasts in each
@@ -166,7 +166,7 @@ class Candidate(OneLine):
 
     @cached_property
     def _covariance(self) -> Array:
-        """That of the coordinates.
+        """Covariance of the coordinates.
 
         All places of an edge in a gap of the readings are alike.
         """

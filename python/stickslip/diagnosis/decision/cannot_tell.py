@@ -1,4 +1,4 @@
-"""What data cannot tell: causes that act alike, constants that trade, causes too small to see.
+"""Limits of the data: causes that act alike, constants that trade, causes too small to see.
 
 All of it is of the linear model about a fit, from what was computed for the verdict: the slopes and
 the covariance of the fit, the effects of the causes beside it, and the inner product of its errors.
@@ -22,7 +22,7 @@ from stickslip._util.text import OneLine
 from stickslip.diagnosis.decision.candidate import Candidate
 from stickslip.diagnosis.decision.posterior import ALIKE, SURE, cosine_of_swap
 from stickslip.diagnosis.fitting.models import Fit
-from stickslip.diagnosis.fitting.problem import FREED, Problem
+from stickslip.diagnosis.fitting.problem import RELAXED, Problem
 from stickslip.diagnosis.fitting.responses import Response
 from stickslip.diagnosis.fitting.search import Models
 from stickslip.diagnosis.terms.parameter import Parameter
@@ -107,7 +107,7 @@ class Group(NamedTuple):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class CannotTell(OneLine):
-    """What the data cannot tell beside a model.
+    """Limits of the data beside a model.
 
     `alike` is of the causes of the model with others; then of others that are not told apart.
     `hidden` are causes whose usual size some constants undo within their priors, and these
@@ -128,7 +128,7 @@ class CannotTell(OneLine):
 def cannot_tell(
     subject: Candidate, null: Candidate, responses: Sequence[Response], fits: Sequence[Fit]
 ) -> CannotTell:
-    """What the data cannot tell beside the model that is told, the subject.
+    """Limits of the data beside the model that is told, the subject.
 
     Where its causes take little, that is beside the recalibrated model, `null`. `responses` are
     those of the causes about the recalibrated model, that of the largest gain first; `fits` are the
@@ -190,7 +190,7 @@ def _alike(
 
 
 class _Effect(NamedTuple):
-    """Change of the predictions by an amplitude at the coordinate `u`; -1 is a freed constant.
+    """Change of the predictions by an amplitude at the coordinate `u`; -1 is a relaxed constant.
 
     `usual` is the factor to its usual size.
     """
@@ -330,7 +330,7 @@ class _Beside:
         return best
 
     def _left(self, k: int, columns: list[int]) -> Array:
-        """What is left of an effect without what others and the constants can have of it, (n,)."""
+        """The part of an effect, (n,), that other effects and the constants cannot have."""
         factors = np.linalg.solve(self.gram[np.ix_(columns, columns)], self.gram[columns, k])
         gaps = np.stack([self.effects[i].gap for i in columns], axis=1)
         moved = self.undo[:, k] - self.undo[:, columns] @ factors
@@ -340,9 +340,9 @@ class _Beside:
 def _effects(problem: Problem, fit: Fit, response: Response, number: int) -> list[_Effect]:
     cause = response.cause
     if cause.is_constant:
-        # A freed constant is moved by its wider prior.
-        gap = FREED[0] * fit.slopes[:, problem.at(cause)]
-        return [_Effect(cause.name, -1, FREED[0], (), number, 1.0, gap)]
+        # A relaxed constant is moved by its wider prior.
+        gap = RELAXED[0] * fit.slopes[:, problem.at(cause)]
+        return [_Effect(cause.name, -1, RELAXED[0], (), number, 1.0, gap)]
     columns = problem.columns([cause]).tolist()
     amplitudes = [k for k in columns if problem.parameters[k].is_amplitude]
     shape = tuple(response.x[[k for k in columns if k not in amplitudes]].tolist())

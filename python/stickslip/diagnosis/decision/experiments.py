@@ -119,7 +119,7 @@ def next_step(
 
 
 def worth_measuring(step: Note, experiments: Sequence[Experiment]) -> list[Experiment]:
-    """Of proposed experiments those that the next step needs, up to the last that tells enough."""
+    """The proposed experiments that the next step needs, up to the last that tells enough."""
     if step.code != "no-safe-name":
         return []
     enough = [k for k, experiment in enumerate(experiments) if experiment.separation >= LEAST_WORTH]

@@ -1,4 +1,4 @@
-"""What a diagnosis found: the value that results and reports are made of."""
+"""Findings of a diagnosis: the value that results and reports are made of."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from stickslip.diagnosis.decision import experiments as design
 from stickslip.diagnosis.decision.candidate import Candidate, frame, spread_of
 from stickslip.diagnosis.decision.cannot_tell import CannotTell, cannot_tell
 from stickslip.diagnosis.decision.gain import Gain
+from stickslip.diagnosis.decision.misfit_test import MisfitTest, goodness_of_fit
 from stickslip.diagnosis.decision.posterior import Posterior, posterior, share
-from stickslip.diagnosis.decision.test import Test, adequacy
 from stickslip.diagnosis.decision.verdict import Verdict
 from stickslip.diagnosis.fitting.problem import LOST, Problem
 from stickslip.diagnosis.fitting.responses import Response
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 
 class Measurement(Protocol):
-    """What a report says of measured files; `left_out` are sentences on rows that are not used."""
+    """Measured files as a report has them; `left_out` are sentences on rows that are not used."""
 
     @property
     def name(self) -> str: ...
@@ -51,13 +51,13 @@ _COMPARED, _RIVAL = 3, 1e-3
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Findings(OneLine):
-    """What the steps found.
+    """Results of the steps.
 
     Attributes
     ----------
     models : Models
         All fits; `models.problem` has the errors that they were compared with.
-    test : Test
+    test : MisfitTest
     responses : list of Response
         Of every cause about the recalibrated model, that of the largest gain first.
     verdict : Verdict
@@ -65,7 +65,7 @@ class Findings(OneLine):
     """
 
     models: Models
-    test: Test
+    test: MisfitTest
     responses: list[Response]
     verdict: Verdict
     seed: int
@@ -77,7 +77,7 @@ class Findings(OneLine):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Facts:
-    """What was found in which data, and what follows from it; see `Diagnosis`."""
+    """Findings with their data, and all that follows from them; see `Diagnosis`."""
 
     findings: Findings
     measurement: Measurement | None = None
@@ -90,7 +90,7 @@ class Facts:
 
     @property
     def problem(self) -> Problem:
-        """What was fitted, with the errors that models were compared with."""
+        """The fitted problem, with the errors that models were compared with."""
         return self.findings.problem
 
     @property
@@ -100,7 +100,7 @@ class Facts:
 
     @property
     def verdict(self) -> Verdict:
-        """What is said: its `kind`, the `causes`, the `reasons` and all `probabilities`."""
+        """The verdict: its `kind`, the `causes`, the `reasons` and all `probabilities`."""
         return self.findings.verdict
 
     @property
@@ -113,12 +113,12 @@ class Facts:
 
     @cached_property
     def words(self) -> Words:
-        """What causes and parameters are called."""
+        """Names of causes and parameters in words."""
         return Words(self.problem.words, self.problem.causes)
 
     @property
     def rivals(self) -> Rivals:
-        """What else can be measured, and how the extended model is stated."""
+        """Further measurements, and statements of the extended model."""
         return self.problem.rivals
 
     @cached_property
@@ -173,7 +173,7 @@ class Facts:
 
     @cached_property
     def cannot_tell(self) -> CannotTell:
-        """What these data cannot tell beside the model that is told."""
+        """Limits of these data beside the model that is told."""
         self._refuse_without_models("cannot_tell")
         fits, effects = self.chance.fits, self.findings.responses
         return cannot_tell(self.subject, self.recalibrated, effects, fits)
@@ -231,7 +231,7 @@ class Facts:
             taken = share(models, fit) if fit.causes else 0.0
             rows.append(
                 (fit.log_evidence - none, self.chance.models[fit.name], plain.chi2,
-                 adequacy(self.problem, plain), fit.form, taken)
+                 goodness_of_fit(self.problem, plain), fit.form, taken)
             )  # fmt: skip
         return frame("candidate", [fit.name for fit in fits], rows, columns)
 
@@ -355,7 +355,7 @@ class Facts:
         return design.next_step(verdict, names, probability, self.rivals.unvaried()[:2])
 
     def worth_measuring(self, count: int = design.PROPOSED) -> list[design.Experiment]:
-        """Of the proposed experiments those that `next_step` needs."""
+        """The proposed experiments that `next_step` needs."""
         return design.worth_measuring(self.next_step, self.propose_experiments(count))
 
     def next_trials(self, count: int = design.PROPOSED) -> DataFrame:
@@ -434,7 +434,7 @@ class Facts:
         covariance = np.array([spread_of(values) for values in made])
         first = self.rivals.table
         sd = self.problem.errors[first].of_reading(np.mean(level, axis=0))
-        rough = self.problem.roughness
+        rough = self.problem.simulator_noise
         scatter = 0.0 if rough is None else float(np.median(rough[self.problem.rows[first]]))
         return level, covariance, sd**2 / design.TRIALS + scatter**2
 

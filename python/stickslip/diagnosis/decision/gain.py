@@ -1,4 +1,4 @@
-"""What a model gains on readings that its fit has not seen."""
+"""Gain of a model on readings that its fit has not seen."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from scipy.special import logsumexp
 
 from stickslip._util.arrays import Array
 from stickslip._util.text import OneLine
-from stickslip.diagnosis.decision.test import ADEQUATE, adequacy
+from stickslip.diagnosis.decision.misfit_test import GOF_LEVEL, goodness_of_fit
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.search import Models
@@ -138,7 +138,7 @@ def share(models: Models, fit: Fit) -> float:
     D0 is of no cause, D of the causes of the fit, each with its best form other than ``exact``; D
     is 0 where the errors as stated explain what is left. NaN where there is no such fit.
     """
-    if fit.form == "exact" and adequacy(models.problem, fit) >= ADEQUATE:
+    if fit.form == "exact" and goodness_of_fit(models.problem, fit) >= GOF_LEVEL:
         return 1.0
     whole, left = (_left(models, names) for names in (frozenset[str](), fit.names))
     if fit.form != "exact":

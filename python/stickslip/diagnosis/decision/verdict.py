@@ -12,6 +12,14 @@ import numpy as np
 from stickslip._util.note import Note
 from stickslip._util.text import OneLine
 from stickslip.diagnosis.decision.gain import Gain, gain_of, in_blocks, measured
+from stickslip.diagnosis.decision.misfit_test import (
+    ALPHA,
+    GOF_LEVEL,
+    MisfitTest,
+    chance_of_other_constants,
+    follows_settings,
+    goodness_of_fit,
+)  # fmt: skip
 from stickslip.diagnosis.decision.posterior import (
     ALIKE,
     SURE,
@@ -21,14 +29,6 @@ from stickslip.diagnosis.decision.posterior import (
     posterior,
     share,
 )
-from stickslip.diagnosis.decision.test import (
-    ADEQUATE,
-    ALPHA,
-    Test,
-    adequacy,
-    chance_of_other_constants,
-    follows_settings,
-)  # fmt: skip
 from stickslip.diagnosis.fitting.forms import HYPER
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.search import Models
@@ -54,7 +54,7 @@ SECOND = 0.1
 
 FAR = 1e-4
 """p-value below which every model of fewer causes fails, so that causes that explain the data need
-no other proof of the last one. Chosen: a hundredth of `ADEQUATE`."""
+no other proof of the last one. Chosen: a hundredth of `GOF_LEVEL`."""
 
 CALM = 0.5
 """Scatter, in the stated errors, below which these are said to be stated too large. Chosen."""
@@ -65,7 +65,7 @@ _AT_END = 0.01  # distance of a coordinate from the end of its range
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Verdict(OneLine):
-    """What is said.
+    """A verdict.
 
     Attributes
     ----------
@@ -119,7 +119,7 @@ class Verdict(OneLine):
         return self.fit is not None and self.fit.form != "exact"
 
 
-def decide(models: Models, test: Test) -> Verdict:
+def decide(models: Models, test: MisfitTest) -> Verdict:
     """The verdict on the fitted models by the rules of the documentation."""
     chance = posterior(models)
     leader = next((fit for fit in chance.fits if fit.causes), None)
@@ -143,7 +143,9 @@ def _common(members: Sequence[Fit]) -> tuple[str, ...]:
     return tuple(sorted(frozenset.intersection(*(fit.names for fit in members))))
 
 
-def _without_cause(verdict: Verdict, models: Models, test: Test, leader: Fit | None) -> Verdict:
+def _without_cause(
+    verdict: Verdict, models: Models, test: MisfitTest, leader: Fit | None
+) -> Verdict:
     if test.misfit:
         likeliest = next(fit for fit in models.leaders() if not fit.causes)
         rival = "an unknown model error"
@@ -168,8 +170,8 @@ def _without_cause(verdict: Verdict, models: Models, test: Test, leader: Fit | N
 
 
 def _with_more(
-    verdict: Verdict, models: Models, test: Test, chance: Posterior, whole: Fit, sure: list[str],
-    reasons: tuple[Note, ...] = (),
+    verdict: Verdict, models: Models, test: MisfitTest, chance: Posterior, whole: Fit,
+    sure: list[str], reasons: tuple[Note, ...] = (),
 ) -> Verdict:  # fmt: skip
     """Two or three causes, if nothing less explains the data or the last one predicts held-out
     readings.
@@ -182,7 +184,7 @@ def _with_more(
     member, all_sure = max(fewer, key=models.log_posterior), whole.names <= set(sure)
     if not all_sure and whole.form == "exact":
         # The stated errors ask for a further cause, but not for which one.
-        explains = [adequacy(models.problem, fit) >= ADEQUATE for fit in (member, whole)]
+        explains = [goodness_of_fit(models.problem, fit) >= GOF_LEVEL for fit in (member, whole)]
         if explains == [False, True]:
             return _set(verdict, models, chance, reasons)
     if all_sure and _nothing_less(models, whole):
@@ -207,10 +209,10 @@ def _with_more(
 def _nothing_less(models: Models, whole: Fit) -> bool:
     """Whether causes explain the data without a discrepancy, and no smaller model comes near."""
     plain = models.get(whole.names)
-    if plain is None or adequacy(models.problem, plain) < ADEQUATE:
+    if plain is None or goodness_of_fit(models.problem, plain) < GOF_LEVEL:
         return False
     smaller = [fit for fit in models.best.values() if len(fit.causes) < len(whole.causes)]
-    return all(adequacy(models.problem, fit) < FAR for fit in smaller)
+    return all(goodness_of_fit(models.problem, fit) < FAR for fit in smaller)
 
 
 def _refused(whole: Fit, member: Fit, further: Gain) -> Note:
@@ -230,7 +232,7 @@ def _refused(whole: Fit, member: Fit, further: Gain) -> Note:
 
 
 def _claimed(
-    verdict: Verdict, models: Models, test: Test, fit: Fit, reasons: tuple[Note, ...] = ()
+    verdict: Verdict, models: Models, test: MisfitTest, fit: Fit, reasons: tuple[Note, ...] = ()
 ) -> Verdict:
     """One cause or more, named if it explains the data, dominant beside a discrepancy."""
     problem, names = models.problem, tuple(sorted(fit.names))
@@ -240,7 +242,7 @@ def _claimed(
         own_null = models.get((), fit.form) or models.null
         gains.append(measured(problem, own_null, fit, "own"))
     proven = _proven(models, test, fit, gains)
-    explains = plain and adequacy(problem, plain) >= ADEQUATE and not _at_end(models, plain)
+    explains = plain and goodness_of_fit(problem, plain) >= GOF_LEVEL and not _at_end(models, plain)
     # Errors that were taken from the fit of all causes explain what it leaves by themselves.
     by_itself = any(errors.of_fit for errors in problem.errors)
     against = [] if explains and proven and not by_itself else _against(models, beside, gains)
@@ -297,7 +299,7 @@ def _open_twins(models: Models, fit: Fit) -> list[Fit]:
 
 
 def _against(models: Models, fit: Fit, gains: Sequence[Gain | None]) -> list[Note]:
-    """What speaks against causes beside a discrepancy."""
+    """Reasons against causes beside a discrepancy."""
     part = share(models, fit) if fit.form != "exact" else 0.0
     notes = _takes_little(fit, part, gains)
     if _is_pattern(models, fit):
@@ -312,7 +314,7 @@ def _end_of_range(fit: Fit) -> Note:
     return CauseNote("size-at-end", "A size of {} is at the end of its range.", [fit.name])
 
 
-def _proven(models: Models, test: Test, fit: Fit, gains: Sequence[Gain | None]) -> bool:
+def _proven(models: Models, test: MisfitTest, fit: Fit, gains: Sequence[Gain | None]) -> bool:
     """Whether held-out readings allow a name of what explains the data.
 
     A proof that it gains something is needed where the model without a cause explains the data too,
@@ -322,14 +324,14 @@ def _proven(models: Models, test: Test, fit: Fit, gains: Sequence[Gain | None]) 
     problem = models.problem
     if any(gain is not None and gain.interval[1] < 0.0 for gain in gains):
         return False
-    spare = adequacy(problem, models.null) >= ADEQUATE
+    spare = goodness_of_fit(problem, models.null) >= GOF_LEVEL
     if all(cause.is_constant for cause in fit.causes):
-        spare = spare and test.p_value >= ADEQUATE
+        spare = spare and test.p_value >= GOF_LEVEL
     return not spare or gains[0] is None or gains[0].certain
 
 
 def _takes_little(fit: Fit, part: float, gains: Sequence[Gain | None]) -> list[Note]:
-    """What speaks against causes beside a discrepancy: a small share, or an uncertain gain.
+    """Reasons against causes beside a discrepancy: a small share, or an uncertain gain.
 
     Causes that take nearly all of the model's error need only not predict worse.
     """
@@ -414,14 +416,14 @@ def _with(verdict: Verdict, kind: Kind, causes: tuple[str, ...], fit: Fit | None
 
 
 def _at_end(models: Models, fit: Fit) -> bool:
-    """Whether an amplitude, or a freed constant, is at the farther end of its range."""
+    """Whether an amplitude, or a relaxed constant, is at the farther end of its range."""
     problem, (low, high) = models.problem, models.problem.limits
-    freed = [problem.at(cause) for cause in fit.causes if cause.frees is not None]
-    for k in [*problem.columns(fit.causes).tolist(), *freed]:
+    relaxed = [problem.at(cause) for cause in fit.causes if cause.frees is not None]
+    for k in [*problem.columns(fit.causes).tolist(), *relaxed]:
         # Neither the end at which an amplitude does nothing counts, nor a stated end of a shape: a
         # part of 1 is all.
         one = problem.parameters[k]
-        shape = not one.is_amplitude and k not in freed
+        shape = not one.is_amplitude and k not in relaxed
         stated = [one.coordinate(end) for end in (one.low, one.high)] if shape else []
         ends = [end for end in (low[k], high[k]) if math.isfinite(end) and end not in stated]
         ends = [end for end in ends if end or not one.is_amplitude]
@@ -431,7 +433,7 @@ def _at_end(models: Models, fit: Fit) -> bool:
 
 
 def _slow_rest(fit: Fit) -> tuple[Note, ...]:
-    """That a discrepancy beside a cause is correlated for as long as a run allows."""
+    """A note where a discrepancy beside a cause is correlated for as long as a run allows."""
     if fit.form != "ar1" or math.log(fit.sizes["tau"]) < HYPER["tau"][3] - _AT_BOUND:
         return ()
     text = "What {} leaves drifts over the whole record: something else is missing too."

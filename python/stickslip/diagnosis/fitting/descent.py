@@ -18,9 +18,9 @@ from stickslip.diagnosis.terms.cause import Cause
 
 _Item = TypeVar("_Item")
 _Result = TypeVar("_Result")
-Asking = Generator[tuple[Array, bool], Array, _Result]
-"""A search that yields points, shape (vectors, size), and whether the draft will do, and is sent
-their residuals."""
+Batched = Generator[tuple[Array, bool], Array, _Result]
+"""A search that yields points, shape (vectors, size), and whether the cheaper model will do, and is
+sent their residuals."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -55,7 +55,7 @@ def batches(items: Sequence[_Item], sizes: Sequence[int], most: int) -> Iterator
         yield [item for _, item in some]
 
 
-def in_step(problem: Problem, searches: Sequence[Asking[_Result]]) -> list[_Result]:
+def run_batched(problem: Problem, searches: Sequence[Batched[_Result]]) -> list[_Result]:
     """Results of several searches: what they ask for at a time is one batch of predictions."""
     results: dict[int, _Result] = {}
     asked: dict[int, tuple[Array, bool]] = {}
@@ -70,35 +70,35 @@ def in_step(problem: Problem, searches: Sequence[Asking[_Result]]) -> list[_Resu
     for k in range(len(searches)):
         go_on(k, None)
     while asked:
-        for draft in (True, False):
-            mine = [(k, x) for k, (x, drafted) in asked.items() if drafted == draft]
+        for cheap in (True, False):
+            mine = [(k, x) for k, (x, asked_cheap) in asked.items() if asked_cheap == cheap]
             for some in batches(mine, [len(x) for _, x in mine], problem.at_once):
-                residuals = problem.residuals(np.vstack([x for _, x in some]), draft)
+                residuals = problem.residuals(np.vstack([x for _, x in some]), cheap)
                 ends = np.cumsum([len(x) for _, x in some])
                 for (k, _), part in zip(some, np.split(residuals, ends[:-1]), strict=True):
                     go_on(k, part)
     return [results[k] for k in range(len(searches))]
 
 
-def finished(problem: Problem, search: Asking[_Result]) -> _Result:
+def finished(problem: Problem, search: Batched[_Result]) -> _Result:
     """The result of one search."""
-    return in_step(problem, [search])[0]
+    return run_batched(problem, [search])[0]
 
 
 def descend(
     problem: Problem, form: Form, h: Array, causes: Sequence[Cause], x: Array, *,
     precision: Array | None = None, steps: int = 10, begin: End | None = None,
-    slopes: Array | None = None, hopeless: float = np.inf, draft: bool | None = None,
-) -> Asking[End]:  # fmt: skip
+    slopes: Array | None = None, cost_bound: float = np.inf, cheap: bool | None = None,
+) -> Batched[End]:  # fmt: skip
     """The minimum of misfit and prior near `x`.
 
-    Without `draft`, softened forms use the problem's draft, and others do not. `begin` is an end at
-    `x` of the same model, whose residual and slopes are taken over; `slopes` are some that were
-    found near by. A descent ends where its last steps, each half as good as the last one or as the
-    next one promises, would not bring it below `hopeless`.
+    Without `cheap`, softened forms use the model of low fidelity, and others do not. `begin` is an
+    end at `x` of the same model, whose residual and slopes are taken over; `slopes` are some that
+    were found near by. A descent ends where its last steps, each half as good as the last one or as
+    the next one promises, would not bring it below `cost_bound`.
     """
     free = problem.free(causes)
-    draft = form.factor > 1.0 if draft is None else draft
+    cheap = form.factor > 1.0 if cheap is None else cheap
     precision = precision_of(problem, causes) if precision is None else precision
     low, high = problem.limits[:, free]
     x = x.copy()
@@ -107,10 +107,10 @@ def descend(
     x[absent] = 0.0
     x[free] = np.clip(x[free], low, high)
     if begin is None:
-        residual = (yield x[None, :], draft)[0].copy()  # a view would keep those of all searches
+        residual = (yield x[None, :], cheap)[0].copy()  # a view would keep those of all searches
         exact = slopes is None
         if slopes is None:
-            slopes = yield from derivatives(problem, x, free, residual, draft)
+            slopes = yield from derivatives(problem, x, free, residual, cheap)
     else:
         residual, slopes, exact = begin.residual, begin.slopes, begin.exact
     now = float(costs_of(form, h, x[None, free], precision, residual[None, :])[0])
@@ -123,10 +123,10 @@ def descend(
         curvature = gram[:-1, :-1] + precision
         downhill = gram[:-1, -1] - precision @ x[free]
         room = np.maximum(low - x[free], -longest), np.minimum(high - x[free], longest)
-        if count and now > hopeless:
+        if count and now > cost_bound:
             promised = float(downhill @ _step(curvature, downhill, room, 0.0))
             # Falls become smaller: each step that is left counts for half of one like these.
-            if now - 0.5 * (steps - count) * max(fall, promised) > hopeless:
+            if now - 0.5 * (steps - count) * max(fall, promised) > cost_bound:
                 break
         fall, there, made = -np.inf, x, residual
         for dampings in (DESCENT.dampings[:1], DESCENT.dampings[1:]):
@@ -134,7 +134,7 @@ def descend(
             for row, damping in zip(tries, factor * softer * np.array(dampings), strict=True):
                 step = _step(curvature, downhill, room, damping)
                 row[free] = np.clip(x[free] + step, low, high)
-            residuals = yield tries, draft
+            residuals = yield tries, cheap
             costs = costs_of(form, h, tries[:, free], precision, residuals)
             best = int(np.argmin(np.where(np.isfinite(costs), costs, np.inf)))
             if now - float(costs[best]) > fall:
@@ -164,44 +164,44 @@ def descend(
             continue
         inverse = np.diag(np.linalg.pinv(curvature))
         spread = np.sqrt(np.maximum(inverse, 0.0))
-        slopes = yield from derivatives(problem, x, free, residual, draft, spread)
+        slopes = yield from derivatives(problem, x, free, residual, cheap, spread)
         exact = True
     return End(x, residual, slopes, now, exact)
 
 
-def walk(
+def refine(
     problem: Problem, form: Form, h: Array, causes: Sequence[Cause], x: Array, *,
-    hopeless: float = np.inf, draft: bool | None = None, precision: Array | None = None,
+    cost_bound: float = np.inf, cheap: bool | None = None, precision: Array | None = None,
     **options: Any,
-) -> Asking[End]:  # fmt: skip
+) -> Batched[End]:  # fmt: skip
     """`descend`, and again from any move along a cause's fine coordinates that lowers the cost.
 
     An event's edge changes one reading alone, so its slope leads nowhere.
     """
-    options |= {"precision": precision, "draft": draft, "hopeless": hopeless}
+    options |= {"precision": precision, "cheap": cheap, "cost_bound": cost_bound}
     end = yield from descend(problem, form, h, causes, x, **options)
     moves = [one for cause in causes for one in _moves(problem, cause)]
-    draft = form.factor > 1.0 if draft is None else draft
+    cheap = form.factor > 1.0 if cheap is None else cheap
     precision = precision_of(problem, causes) if precision is None else precision
     free = problem.free(causes)
-    for _ in range(DESCENT.walks if moves and end.cost < hopeless else 0):
+    for _ in range(DESCENT.walks if moves and end.cost < cost_bound else 0):
         tries = np.clip(end.x + moves, *problem.limits)
         costs = np.empty(len(tries))
         for begin in range(0, len(tries), problem.at_once):
             part = slice(begin, begin + problem.at_once)
-            residual = yield tries[part], draft
+            residual = yield tries[part], cheap
             costs[part] = costs_of(form, h, tries[part][:, free], precision, residual)
         best = int(np.argmin(np.where(np.isfinite(costs), costs, np.inf)))
         if not costs[best] < end.cost - DESCENT.settled:
             break
-        options |= {"begin": None, "slopes": end.slopes, "hopeless": np.inf}
+        options |= {"begin": None, "slopes": end.slopes, "cost_bound": np.inf}
         end = yield from descend(problem, form, h, causes, tries[best], **options)
     return end
 
 
 def _moves(problem: Problem, cause: Cause) -> list[Array]:
     """Moves of the fine coordinates of a cause, alone and two together, as vectors (size,)."""
-    fine = [k for k in problem.columns([cause]).tolist() if problem.turning[k]]
+    fine = [k for k in problem.columns([cause]).tolist() if problem.oscillatory[k]]
     steps = np.concatenate([[0.0], DESCENT.moves, np.negative(DESCENT.moves)])
     together, moves = min(len(fine), 2), []
     for some in itertools.combinations(fine, together) if fine else ():
@@ -252,9 +252,9 @@ def step_within(curvature: Array, downhill: Array, low: Array, high: Array) -> A
 
 
 def derivatives(
-    problem: Problem, x: Array, free: Indices, residual: Array, draft: bool = False,
+    problem: Problem, x: Array, free: Indices, residual: Array, cheap: bool = False,
     spread: Array | None = None, central: bool = False,
-) -> Asking[Array]:  # fmt: skip
+) -> Batched[Array]:  # fmt: skip
     """Slopes of the predictions by differences, shape (n, free).
 
     Differences are about as wide as what the data leaves open, `spread`. Where one shows a jump of
@@ -263,16 +263,16 @@ def derivatives(
     own, see `_fine_slope`: they bend within the spread.
     """
     fineness = problem.fineness[free]
-    turning = problem.turning[free]
-    if turning.any():
-        usual = np.flatnonzero(~turning)
+    oscillatory = problem.oscillatory[free]
+    if oscillatory.any():
+        usual = np.flatnonzero(~oscillatory)
         slopes = np.empty((len(residual), len(free)))
         rest = None if spread is None else spread[usual]
         slopes[:, usual] = yield from derivatives(
-            problem, x, free[usual], residual, draft, rest, central
+            problem, x, free[usual], residual, cheap, rest, central
         )
-        for k in np.flatnonzero(turning).tolist():
-            slopes[:, k] = yield from _fine_slope(problem, x, int(free[k]), residual, draft)
+        for k in np.flatnonzero(oscillatory).tolist():
+            slopes[:, k] = yield from _fine_slope(problem, x, int(free[k]), residual, cheap)
         return slopes
     width = DESCENT.wide * fineness
     if spread is not None:
@@ -281,12 +281,12 @@ def derivatives(
     first = np.where(x[free] + 0.5 * width > high, -width, np.minimum(width, high - x[free]))
     second = np.where(x[free] - 0.5 * width < low, 2.0 * width, -np.minimum(width, x[free] - low))
     second = np.where(first < 0.0, 2.0 * first, second)
-    near = yield from _differences(problem, x, free, residual, first, draft)
+    near = yield from _differences(problem, x, free, residual, first, cheap)
     jumps = np.any(np.abs(near * first) > DESCENT.jump * problem.sd[:, None], axis=0)
     again = np.flatnonzero(jumps | central)
     if not len(again):
         return near
-    far = yield from _differences(problem, x, free[again], residual, second[again], draft)
+    far = yield from _differences(problem, x, free[again], residual, second[again], cheap)
     one, two = first[again], second[again]
     # With both steps to one side, the slope of the stretch beyond the first.
     beyond = (two * far - one * near[:, again]) / np.where(one == two, 1.0, two - one)
@@ -298,7 +298,7 @@ def derivatives(
     return near
 
 
-def _fine_slope(problem: Problem, x: Array, k: int, residual: Array, draft: bool) -> Asking[Array]:
+def _fine_slope(problem: Problem, x: Array, k: int, residual: Array, cheap: bool) -> Batched[Array]:
     """Slope by a fine coordinate, the mean of both sides.
 
     Of each side by the widest move that changes the predictions by one error at most.
@@ -308,7 +308,7 @@ def _fine_slope(problem: Problem, x: Array, k: int, residual: Array, draft: bool
     points = np.tile(x, (2, len(widths), 1))
     points[..., k] = np.clip(x[k] + moves, *problem.limits[:, k])
     moves = points[..., k] - x[k]
-    made = yield points.reshape(-1, problem.size), draft
+    made = yield points.reshape(-1, problem.size), cheap
     lost = (made == LOST * problem.sd) | (residual == LOST * problem.sd)
     change = np.where(lost, 0.0, residual - made).reshape(2, len(widths), -1)
     size = np.linalg.norm(change / problem.sd, axis=2)
@@ -322,7 +322,7 @@ def _fine_slope(problem: Problem, x: Array, k: int, residual: Array, draft: bool
     return np.asarray(np.mean(sides, axis=0))
 
 
-def end_at(problem: Problem, causes: Sequence[Cause], x: Array) -> Asking[End]:
+def end_at(problem: Problem, causes: Sequence[Cause], x: Array) -> Batched[End]:
     """Where a model is at given coordinates, with slopes there."""
     residual = (yield x[None, :], False)[0].copy()
     slopes = yield from derivatives(problem, x, problem.free(causes), residual)
@@ -330,13 +330,13 @@ def end_at(problem: Problem, causes: Sequence[Cause], x: Array) -> Asking[End]:
 
 
 def _differences(
-    problem: Problem, x: Array, free: Indices, residual: Array, steps: Array, draft: bool
-) -> Asking[Array]:
+    problem: Problem, x: Array, free: Indices, residual: Array, steps: Array, cheap: bool
+) -> Batched[Array]:
     """Slopes over one step of each coordinate, by one batch; 0 where a row is not computed."""
     if not len(free):
         return np.zeros((len(residual), 0))
     points = np.tile(x, (len(free), 1))
     points[np.arange(len(free)), free] += steps
-    moved = yield points, draft
+    moved = yield points, cheap
     lost = (moved == LOST * problem.sd) | (residual == LOST * problem.sd)
     return np.where(lost, 0.0, (residual - moved) / steps[:, None]).T

@@ -67,7 +67,7 @@ class Form:
 
     name = "white"
     names: tuple[str, ...] = ("kappa",)
-    factor = 1.0  # of the errors; where it is larger a draft of the model will do
+    factor = 1.0  # of the errors; where it is larger a cheaper model will do
 
     def __init__(self, problem: Problem) -> None:
         self.problem, self.n = problem, len(problem.y)
@@ -86,7 +86,7 @@ class Form:
         return np.asarray(LOST**2 * np.sum(residual == LOST * self.problem.sd, axis=1))
 
     def prepared(self, columns: Array) -> Any:
-        """What `gram` needs of columns, shape (n, k)."""
+        """Columns, shape (n, k), as `gram` needs them."""
         whitened = self.problem.whitened(self.computed(columns))
         return whitened.T @ whitened
 
@@ -149,7 +149,7 @@ class Exact(Form):
         return np.asarray(prepared.T @ (self._weights(chi2)[:, None] * prepared))
 
     def _weights(self, chi2: Array) -> Array:
-        """Of each row, the derivative of the cost by the chi-square of its table."""
+        """Derivative of the cost by the chi-square of its table, of each row."""
         weights = np.ones(self.n)
         for part, dof, value in zip(self.problem.rows, self.problem.dof, chi2, strict=True):
             if math.isfinite(dof):

@@ -9,18 +9,18 @@ import numpy as np
 from scipy.special import logsumexp
 
 from stickslip._util.arrays import Array
-from stickslip.diagnosis.fitting.descent import Asking, in_step
+from stickslip.diagnosis.fitting.descent import Batched, run_batched
 from stickslip.diagnosis.fitting.forms import PRIOR
 from stickslip.diagnosis.fitting.models import Fit, minimise, sharpened
 from stickslip.diagnosis.fitting.options import SEARCH
-from stickslip.diagnosis.fitting.problem import FREED
+from stickslip.diagnosis.fitting.problem import RELAXED
 from stickslip.diagnosis.fitting.search import Models
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.curve import SHAPES
 from stickslip.diagnosis.terms.laws import forms
 
 _SCANNED = 15  # scales that are looked at, evenly in their logarithm: the fit begins at the best
-_HOPELESS = 100.0  # growth of the cost over that of the curve after which no form comes back
+_COST_BOUND = 100.0  # growth of the cost over that of the curve after which no form comes back
 _OUTER = 2.0  # coordinate of a scale beyond which it is at the end of its range, and no form's own
 _BETWEEN = 0.5  # part of its values at the knots by which a form may leave their curve
 _FINE = 101  # places where that is looked at
@@ -56,7 +56,7 @@ def _compared(models: Models, names: frozenset[str], law: Cause) -> Models:
         # A form may explain what no curve through knots does.
         if old is None or (name != "exact" and models.log_posterior(old) < least):
             continue
-        refits = in_step(problem, [_fitted(models, old, law, other) for other in others])
+        refits = run_batched(problem, [_fitted(models, old, law, other) for other in others])
         correction = models.corrections.get(names, 0.0)
         by_form = {"curve": replace(old, log_evidence=old.log_evidence + correction)}
         names_of = [other.curve.form for other in others if other.curve is not None]
@@ -81,20 +81,20 @@ def _compared(models: Models, names: frozenset[str], law: Cause) -> Models:
     return models
 
 
-def _fitted(models: Models, old: Fit, law: Cause, other: Cause) -> Asking[Fit | None]:
+def _fitted(models: Models, old: Fit, law: Cause, other: Cause) -> Batched[Fit | None]:
     """A fit of a model with another form of its law; None where it is none, or comes not near."""
     problem, form = models.problem, models.forms[old.form]
     causes = [cause for cause in old.causes if cause is not law] + [other]
     try:
         fit = yield from minimise(
             problem, form, causes, _begun(models, old, law, other), h=old.h,
-            hopeless=old.cost + _HOPELESS,
+            cost_bound=old.cost + _COST_BOUND,
         )  # fmt: skip
         # With the amplitude at its end, or the scale near one, it is another form.
         amplitude, *scale = fit.x[problem.columns([other])].tolist()
         low, high = other.parameters[0].limits
         inside = low + 1e-3 < amplitude < high - 1e-3 and all(abs(u) <= _OUTER for u in scale)
-        if fit.cost > old.cost + _HOPELESS or not inside:
+        if fit.cost > old.cost + _COST_BOUND or not inside:
             return None
         return (yield from sharpened(problem, form, fit))
     except np.linalg.LinAlgError:
@@ -117,7 +117,7 @@ def _begun(models: Models, old: Fit, law: Cause, other: Cause) -> Array:
         low, c, high = problem.constants[k].value(x[k] + np.array([-0.5, 0.0, 0.5])).tolist()
         target, slopes = c * (1.0 + f), np.column_stack([c * slopes, (high - low) * (1.0 + f)])
         at_null = problem.constants[k].value(np.array([0.0]))
-        level, stated = np.ones((len(at), 1)), [float(at_null[0]), FREED[0] * (high - low)]
+        level, stated = np.ones((len(at), 1)), [float(at_null[0]), RELAXED[0] * (high - low)]
         at = np.append(at, k)
     places = np.searchsorted(old.free, at)
     covariance = old.covariance[np.ix_(places, places)] + _FLOOR**2 * np.eye(len(at))

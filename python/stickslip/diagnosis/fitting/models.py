@@ -11,7 +11,7 @@ from scipy.special import log_ndtr, logsumexp
 
 from stickslip._util.arrays import Array, Indices
 from stickslip._util.text import OneLine
-from stickslip.diagnosis.fitting.descent import Asking, End, derivatives, precision_of, walk
+from stickslip.diagnosis.fitting.descent import Batched, End, derivatives, precision_of, refine
 from stickslip.diagnosis.fitting.forms import PRIOR, Form, forms
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.terms.cause import Cause
@@ -111,12 +111,12 @@ def log_prior(causes: Sequence[Cause], form: str, odds: float) -> float:
 
 def minimise(
     problem: Problem, form: Form, causes: Sequence[Cause], x: Array, *, h: Array | None = None,
-    slopes: Array | None = None, hopeless: float = math.inf, least: float = -math.inf,
-) -> Asking[Fit]:  # fmt: skip
+    slopes: Array | None = None, cost_bound: float = math.inf, least: float = -math.inf,
+) -> Batched[Fit]:  # fmt: skip
     """Fit a model from `x`: its coordinates in the inner product of h, and h at the coordinates.
 
     They take turns until the coordinates are at the minimum of the new inner product, until the
-    first descent would not end below a cost of `hopeless`, or until the promised log-evidence is
+    first descent would not end below a cost of `cost_bound`, or until the promised log-evidence is
     below `least`.
     """
     causes = tuple(sorted(causes, key=lambda cause: cause.name))
@@ -126,12 +126,12 @@ def minimise(
         (residual,) = yield x[None, :], False
         h = form.begin(residual)
     for turn in range(_ROUNDS):
-        end = yield from walk(
+        end = yield from refine(
             problem, form, h, causes, x, precision=precision, steps=steps, begin=end,
-            slopes=slopes, hopeless=hopeless,
+            slopes=slopes, cost_bound=cost_bound,
         )  # fmt: skip
         x = end.x
-        given_up = end.cost >= hopeless
+        given_up = end.cost >= cost_bound
         if not end.exact and not given_up:
             slopes = yield from derivatives(problem, x, problem.free(causes), end.residual)
             end = replace(end, slopes=slopes, exact=True)
@@ -145,7 +145,7 @@ def minimise(
         before, reached = reached, fit.log_evidence - 0.5 * left
         stuck = stuck + 1 if reached < before + 0.5 * _AT_MINIMUM else 0
         stays = stuck > (1 if form.names else 0) or (alone and end.cost > NEAR_DATA * form.n)
-        given_up, hopeless = given_up or fit.log_evidence < least, math.inf
+        given_up, cost_bound = given_up or fit.log_evidence < least, math.inf
         if given_up or settled or stays:
             break
         steps = 6
@@ -169,7 +169,7 @@ def _fit(
     ), left  # fmt: skip
 
 
-def sharpened(problem: Problem, form: Form, old: Fit) -> Asking[Fit]:
+def sharpened(problem: Problem, form: Form, old: Fit) -> Batched[Fit]:
     """The same fit with central derivatives, and so a better evidence."""
     spread = np.sqrt(np.maximum(np.diag(old.covariance), 0.0))
     where = problem, old.x, old.free, old.residual

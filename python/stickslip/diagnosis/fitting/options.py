@@ -12,7 +12,7 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Search:
-    """Of the search over models; lengths are in coordinates, of which 1 is a prior's sd."""
+    """Options of the search over models; lengths are in coordinates: 1 is a prior's sd."""
 
     # The recalibrated model.
     scan: int = 128  # points of a scan of the constants
@@ -28,7 +28,7 @@ class Search:
     look: int = 3  # steps of a stage of a look
     longer_look: int = 10  # the same where predictions change over a small part of a shape's range
     margin: float = 30.0  # cost above the best one from which a model is given up
-    places: int = 9  # of a scan of a freed constant
+    places: int = 9  # of a scan of a relaxed constant
     widened: float = 8.0  # how far it goes, stated sds: a wrong estimate is rarely farther off
     # Amplitudes tried, with the usual one, about the recalibrated model, and beside the best one,
     # where precise readings leave little room.
@@ -53,7 +53,7 @@ class Search:
 
 @dataclass(frozen=True)
 class Descent:
-    """Of a descent; lengths as above."""
+    """Options of a descent; lengths as above."""
 
     # Factors of the errors and bounds of outliers of the stages before the stated errors, so that
     # no search is lost in a narrow minimum: half decades, and a bound at which two errors count for

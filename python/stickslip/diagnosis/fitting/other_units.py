@@ -21,7 +21,7 @@ from stickslip._util.prior import Prior
 from stickslip._util.units import MISTAKES, factor_text, other_units
 from stickslip.diagnosis.data.errors import FEWEST
 from stickslip.diagnosis.data.table import Table
-from stickslip.diagnosis.fitting.descent import in_step
+from stickslip.diagnosis.fitting.descent import run_batched
 from stickslip.diagnosis.fitting.forms import Exact
 from stickslip.diagnosis.fitting.models import minimise
 from stickslip.diagnosis.fitting.problem import Problem
@@ -50,7 +50,7 @@ _LEAD = 12.0
 class _Try:
     """A model in other units, where its fit begins, what is left there, and what it is called.
 
-    `name` is the column or constant that is in it; the constant of the column `freed` has no
+    `name` is the column or constant that is in it; the constant of the column `relaxed` has no
     penalty.
     """
 
@@ -60,7 +60,7 @@ class _Try:
     name: str = ""
     factor: float = 1.0
     words: str = ""
-    freed: int | None = None
+    relaxed: int | None = None
 
 
 @dataclass(frozen=True)
@@ -171,7 +171,7 @@ def _off(problem: Problem) -> Iterator[_Try]:
         for place in np.argsort(left)[:2].tolist():
             x = np.zeros(problem.size)
             x[k] = wide.constants[k].coordinate(values[place, k])
-            yield _Try(wide, x, float(left[place]), freed=k)
+            yield _Try(wide, x, float(left[place]), relaxed=k)
 
 
 def _beyond(problem: Problem, seed: int) -> Iterator[_Try]:
@@ -212,10 +212,12 @@ def _fits(tries: Iterable[_Try], most: int | None = None) -> list[_End]:
     ends = []
     for one in sorted(tries, key=lambda one: one.left)[:most]:
         with contextlib.suppress(np.linalg.LinAlgError):
-            (fit,) = in_step(one.problem, [minimise(one.problem, Exact(one.problem), (), one.x)])
+            (fit,) = run_batched(
+                one.problem, [minimise(one.problem, Exact(one.problem), (), one.x)]
+            )
             x = np.abs(fit.x)
-            if one.freed is not None:
-                x[one.freed] = 0.0
+            if one.relaxed is not None:
+                x[one.relaxed] = 0.0
             stated = [k for k, c in enumerate(one.problem.constants) if c.may_be_off]
             moved = float(np.max(x[stated], initial=0.0))
             ends.append(_End(fit.chi2, float(x @ x), moved, one))

@@ -1,4 +1,4 @@
-"""What is fitted: tables of data, a forward model of all their rows, its constants and causes."""
+"""A problem: tables of data, a forward model of all their rows, its constants and causes."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ from stickslip.diagnosis.terms.words import Vocabulary
 Model = Callable[[Array], Array]
 """From physical parameters, shape (vectors, size), to predictions of all rows, (vectors, n)."""
 
-FREED = (10.0, 100.0)
-"""Standard deviations of the coordinate of a constant that is freed from its prior; its evidence is
-the mean over them. Chosen: an error of several stated standard deviations does not surprise, nor
-does a slip of the pen."""
+RELAXED = (10.0, 100.0)
+"""Standard deviations of the coordinate of a constant whose prior is relaxed; its evidence is the
+mean over them. Chosen: an error of several stated standard deviations does not surprise, nor does a
+slip of the pen."""
 
 LOST = 1e3
 """Residual, in errors, of a row that the model cannot compute. Chosen: far beyond any residual of a
@@ -75,7 +75,7 @@ class Problem(OneLine):
         Its columns are the constants and then the parameters of all causes, in their order.
     constants : tuple of Parameter
     causes : tuple of Cause
-    draft : callable, optional
+    low_fidelity : callable, optional
         A cheaper model for searches from afar, where errors are taken as too large.
     laws : callable, optional
         ``laws(problem, x)`` are laws of a free shape as causes, for constants at the coordinates
@@ -90,7 +90,7 @@ class Problem(OneLine):
         What else can be measured.
     errors : tuple of Errors
         Of the tables.
-    roughness : ndarray, shape (n,)
+    simulator_noise : ndarray, shape (n,)
         Scatter of the model itself, in the units of the rows, as a further independent error.
     finer : dict of float
         Fineness as measured, by name of the parameter; empty for simulations.
@@ -102,14 +102,14 @@ class Problem(OneLine):
     model: Model
     constants: tuple[Parameter, ...]
     causes: tuple[Cause, ...] = ()
-    draft: Model | None = None
+    low_fidelity: Model | None = None
     laws: Callable[[Problem, Array], Sequence[Cause]] | None = field(default=None, repr=False)
     wider: Callable[[Problem, Sequence[Cause]], Problem] | None = field(default=None, repr=False)
     forward: Forward | None = field(default=None, repr=False)
     words: Vocabulary = field(default_factory=Vocabulary, repr=False)
     rivals: Rivals = field(default_factory=Rivals, repr=False)
     errors: tuple[Errors, ...] = ()
-    roughness: Array | None = None
+    simulator_noise: Array | None = None
     finer: Mapping[str, float] = field(default_factory=dict, repr=False)
     shortened: Callable[[Problem], Problem] | None = field(default=None, repr=False)
 
@@ -154,7 +154,7 @@ class Problem(OneLine):
         return max(_MOST_PREDICTED // max(len(self.y), 1), 1)
 
     @cached_property
-    def turning(self) -> Mask:
+    def oscillatory(self) -> Mask:
         """Coordinates that a closer search follows, shape (size,): measured, and fine.
 
         Simulations are never measured: they jump, and cost too much.
@@ -186,15 +186,15 @@ class Problem(OneLine):
         """Inverse covariances of the prior of the free coordinates.
 
         A model's evidence is the mean over them, of which there are several where a constant is
-        freed or a cause is a law: see `Curve`.
+        relaxed or a cause is a law: see `Curve`.
         """
         at, parts = len(self.constants), [np.eye(len(self.free(causes)))]
         for cause in causes:
             if cause.frees is not None:
                 index = self.at(cause)
-                widths: tuple[float, ...] = FREED
+                widths: tuple[float, ...] = RELAXED
                 if cause.curve:  # a form has a level, which may be the stated one
-                    widths = FREED[:1] if cause.has_knots else (1.0, FREED[0])
+                    widths = RELAXED[:1] if cause.has_knots else (1.0, RELAXED[0])
                 parts = [_with_block(part, slice(index, index + 1), np.array(width**-2))
                          for part in parts for width in widths]  # fmt: skip
         for cause in sorted(causes, key=lambda law: self.causes.index(law)):
@@ -224,7 +224,7 @@ class Problem(OneLine):
 
     @property
     def titles(self) -> list[str]:
-        """What the readings of each table are called."""
+        """Names of the readings of each table."""
         return [table.title or f"table {k}" for k, table in enumerate(self.tables, start=1)]
 
     @property
@@ -275,16 +275,16 @@ class Problem(OneLine):
 
     @cached_property
     def sd(self) -> Array:
-        """Standard deviation of each row, with the model's roughness, shape (n,)."""
+        """Standard deviation of each row, with the model's simulator_noise, shape (n,)."""
         sd = np.concatenate([errors.sd for errors in self.errors])
-        return sd if self.roughness is None else np.hypot(sd, self.roughness)
+        return sd if self.simulator_noise is None else np.hypot(sd, self.simulator_noise)
 
     def covariance(self, table: int) -> Array | None:
         """Covariance of a table's rows; None where they are independent."""
         known = self.errors[table].covariance
-        if known is None or self.roughness is None:
+        if known is None or self.simulator_noise is None:
             return known
-        return np.asarray(known + np.diag(self.roughness[self.rows[table]] ** 2))
+        return np.asarray(known + np.diag(self.simulator_noise[self.rows[table]] ** 2))
 
     @cached_property
     def _lower(self) -> list[Array | None]:
@@ -302,7 +302,7 @@ class Problem(OneLine):
 
     @property
     def log_det(self) -> float:
-        """That of all rows."""
+        """Logarithm of the determinant for all rows."""
         return sum(self.log_dets)
 
     def whitened(self, columns: Array) -> Array:
@@ -329,9 +329,9 @@ class Problem(OneLine):
         return replace(self, errors=tuple(moved))
 
     # ----------------------------------------------------------------- predictions
-    def residuals(self, x: Array, draft: bool = False) -> Array:
+    def residuals(self, x: Array, cheap: bool = False) -> Array:
         """Data less predictions at coordinates, shape (vectors, n); `LOST` errors where none."""
-        model = self.draft if draft and self.draft is not None else self.model
+        model = self.low_fidelity if cheap and self.low_fidelity is not None else self.model
         with np.errstate(over="ignore", invalid="ignore"):
             predicted = model(self.physical(x))
             residual = self.y - predicted

@@ -1,4 +1,4 @@
-"""What each further cause would do about a fit, and where its own fit should begin."""
+"""Responses to each further cause about a fit, where its own fit should begin."""
 
 from __future__ import annotations
 
@@ -77,23 +77,23 @@ class _Probe:
 
 def responses(
     problem: Problem, end: End, causes: Sequence[Cause], offered: Sequence[Cause], form: Form,
-    h: Array, sizes: Sequence[float] = AMPLITUDES, draft: bool = False,
+    h: Array, sizes: Sequence[float] = AMPLITUDES, cheap: bool = False,
 ) -> list[Response]:  # fmt: skip
     """Responses of causes that are offered beside `causes`, which are fitted at `end`.
 
-    By one batch of predictions, with `draft` of the problem's draft. `form` and `h` are the inner
-    product, `sizes` the coordinates at which amplitudes are tried; those of the largest gain come
-    first.
+    By one batch of predictions, with `cheap` by the model of low fidelity. `form` and `h` are the
+    inner product, `sizes` the coordinates at which amplitudes are tried; those of the largest gain
+    come first.
     """
     probes = [probe for cause in offered for probe in _probes(problem, cause, sizes)]
     groups = itertools.groupby(probes, key=lambda probe: probe.cause.name)
     every = [list(group) for _, group in groups]
     sizes_of = [len(group) * len(group[0].columns) for group in every]
-    drafted = draft and problem.draft is not None and any(sizes_of)
-    here = problem.residuals(end.x[None, :], True)[0] if drafted else end.residual
+    asked_cheap = cheap and problem.low_fidelity is not None and any(sizes_of)
+    here = problem.residuals(end.x[None, :], True)[0] if asked_cheap else end.residual
     result = list[Response]()
     for some in batches(every, sizes_of, problem.at_once):
-        gaps, first = _changes(problem, end.x, here, [p for group in some for p in group], draft), 0
+        gaps, first = _changes(problem, end.x, here, [p for group in some for p in group], cheap), 0
         for mine in some:
             effects = gaps[first : first + len(mine) * len(mine[0].columns)]
             first += len(effects)
@@ -105,7 +105,7 @@ def responses(
 
 
 def _changes(
-    problem: Problem, x: Array, here: Array, probes: Sequence[_Probe], draft: bool
+    problem: Problem, x: Array, here: Array, probes: Sequence[_Probe], cheap: bool
 ) -> Array:
     """Changes of the predictions by one amplitude of each probe, shape (amplitudes, n)."""
     points = []
@@ -115,7 +115,7 @@ def _changes(
             points[-1][[*probe.shapes, column]] = [*probe.shapes.values(), value]
     if not points:
         return np.zeros((0, len(problem.y)))
-    moved = problem.residuals(np.array(points), draft)
+    moved = problem.residuals(np.array(points), cheap)
     lost = (moved == LOST * problem.sd) | (here == LOST * problem.sd)
     np.subtract(here, moved, out=moved)
     return np.where(lost, 0.0, moved) if lost.any() else moved
@@ -156,7 +156,7 @@ def within(size: float, low: float, high: float) -> float:
 def _places(problem: Problem, fine: Sequence[int], k: int) -> tuple[float, ...]:
     """Places of a fine coordinate all over its range, as many as it and the other ones allow."""
     wanted = np.ptp(problem.scanned[:, fine], axis=0) / (2.0 * problem.fineness[fine])
-    most = min(_MOST_PLACES if problem.turning[fine].all() else _FEW_PLACES,
+    most = min(_MOST_PLACES if problem.oscillatory[fine].all() else _FEW_PLACES,
                4 * problem.at_once)  # fmt: skip
     thinner = max(float(np.prod(wanted)) / most, 1.0) ** (1.0 / len(fine))
     low, high = problem.scanned[:, k]
@@ -198,9 +198,9 @@ def _best(
     rest = np.linalg.solve(curvature[:, :p, :p], (downhill[:, :p] - across)[..., None])[..., 0]
     rest = np.clip(rest, -_FAR, _FAR) if m else rest
     move = np.hstack([rest, amplitudes])
-    freed = float(here @ (before - precision[:p, :p]) @ here)
+    relaxed = float(here @ (before - precision[:p, :p]) @ here)
     bent = np.einsum("vi,vij,vj->v", move, curvature, move)
-    gain = 2.0 * np.sum(downhill * move, axis=1) - bent + freed - np.sum(places**2, axis=1)
+    gain = 2.0 * np.sum(downhill * move, axis=1) - bent + relaxed - np.sum(places**2, axis=1)
     found = []
     for k in np.argsort(-gain, kind="stable")[:_KEPT].tolist():
         x, mine = end.x.copy(), gaps[k * m : (k + 1) * m]

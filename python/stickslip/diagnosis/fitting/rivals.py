@@ -1,4 +1,4 @@
-"""What else can be measured to tell rival models apart, and where what was found is stated."""
+"""Further measurements that tell rival models apart, and files that state what was found."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Rivals:
         return 0
 
     def conditions(self, given: Any) -> tuple[Any, dict[str, list[Any]]]:
-        """What the model takes for conditions that a person writes, and their settings as columns.
+        """Conditions that a person writes as the model takes them, and their settings as columns.
 
         There are no columns where settings have no names.
         """
@@ -63,7 +63,7 @@ class Rivals:
         return []
 
     def advice(self, names: Mapping[str, str], experiments: Sequence[Any]) -> list[Note]:
-        """What to measure beside conditions; `names` says each cause of a set by its name."""
+        """Advice beside conditions to measure; `names` says each cause of a set by its name."""
         return []
 
     def trial_table(self, experiments: Sequence[Any], trials: int) -> DataFrame:
@@ -79,5 +79,5 @@ class Rivals:
         return dict(values)
 
     def writers(self, folder: Path, told: str, causes: str, extended: Any) -> dict[Path, Any]:
-        """What writes the files that state the extended model, with the verdict in words."""
+        """Writers of the files that state the extended model, with the verdict in words."""
         return {}

@@ -12,7 +12,7 @@ from stickslip._util.note import Note
 from stickslip._util.units import with_unit
 from stickslip.diagnosis.data.errors import FEWEST, Errors, freedom, of_one_meter
 from stickslip.diagnosis.data.series import SMOOTH
-from stickslip.diagnosis.fitting.descent import End, end_at, in_step, precision_of, walk
+from stickslip.diagnosis.fitting.descent import End, end_at, precision_of, refine, run_batched
 from stickslip.diagnosis.fitting.forms import Exact
 from stickslip.diagnosis.fitting.options import SEARCH
 from stickslip.diagnosis.fitting.problem import Problem
@@ -47,25 +47,25 @@ def with_scatter(problem: Problem, seed: int) -> Problem:
     short = problem.short
     form, h = Exact(short), np.zeros(0)
     views = [seen_in(short, null).end]
-    views += in_step(short, [end_at(short, (), end.x) for end in ends[:_VIEWS]])
+    views += run_batched(short, [end_at(short, (), end.x) for end in ends[:_VIEWS]])
     effects = list[Response]()
     for view in views:
         every = responses(short, view, (), problem.causes, form, h)
         for cause in problem.causes:
             effects += [effect for effect in every if effect.cause is cause][:_OF_CAUSE]
     # With its own cause alone, as all together have many slopes.
-    looks = [walk(short, form, h, [effect.cause], effect.x, steps=_LOOK, slopes=effect.slopes)
+    looks = [refine(short, form, h, [effect.cause], effect.x, steps=_LOOK, slopes=effect.slopes)
              for effect in separated(effects, lambda effect: effect.x, SEARCH.apart)]  # fmt: skip
-    ends = sorted(in_step(short, looks), key=lambda end: end.cost)
+    ends = sorted(run_batched(short, looks), key=lambda end: end.cost)
     starts = [*(end.x for end in ends[: _FOLLOWED - 1]), null.x]
     for steps in (_LOOK, _STEPS) if short is not problem else ():
-        walks = [walk(short, form, h, problem.causes, x, steps=steps) for x in starts]
-        starts = [min(in_step(short, walks), key=lambda end: end.cost).x]
+        walks = [refine(short, form, h, problem.causes, x, steps=steps) for x in starts]
+        starts = [min(run_batched(short, walks), key=lambda end: end.cost).x]
     while True:
         for _ in range(_ROUNDS if unknown else 1):
             form = Exact(problem)
-            walks = [walk(problem, form, h, problem.causes, x, steps=_STEPS) for x in starts]
-            best = min(in_step(problem, walks), key=lambda end: end.cost)
+            walks = [refine(problem, form, h, problem.causes, x, steps=_STEPS) for x in starts]
+            best = min(run_batched(problem, walks), key=lambda end: end.cost)
             starts, spent = [best.x], _parameters(problem, form, best)
             problem = _scattered(problem, unknown, best.residual, spent)
         rougher = [k for k in curves if k not in unknown and _size(problem, k, best.residual, spent)
@@ -91,7 +91,7 @@ def _size(problem: Problem, k: int, residual: Array, spent: float) -> float:
 
 
 def _readings(problem: Problem, k: int, residual: Array) -> Array:
-    """What a residual leaves of a table's conditions, in the error of a reading, in their order."""
+    """A residual of a table's conditions, in the error of a reading, in their order."""
     table, left = problem.tables[k], residual[problem.rows[k]]
     left = left * np.sqrt(np.bincount(table.condition))
     if table.run is None or table.order is None:

@@ -15,7 +15,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stickslip._util.arrays import Array
-from stickslip.diagnosis.fitting.descent import Asking, End, costs_of, end_at, in_step, precision_of
+from stickslip.diagnosis.fitting.descent import (
+    Batched,
+    End,
+    costs_of,
+    end_at,
+    precision_of,
+    run_batched,
+)
 from stickslip.diagnosis.fitting.draws import FEWEST, drawn
 from stickslip.diagnosis.fitting.forms import Form, forms
 from stickslip.diagnosis.fitting.models import (
@@ -41,7 +48,7 @@ Progress = Callable[[float, str], None]
 class Start:
     """Where the fit of a model begins: coordinates, and slopes and hyperparameters if known.
 
-    `hopeless` is the cost, with these hyperparameters, from which the fit is given up.
+    `cost_bound` is the cost, with these hyperparameters, from which the fit is given up.
     """
 
     form: str
@@ -49,7 +56,7 @@ class Start:
     x: Array
     slopes: Array | None = None
     h: Array | None = None
-    hopeless: float = math.inf
+    cost_bound: float = math.inf
 
 
 class Models:
@@ -97,7 +104,7 @@ class Models:
         return any(is_near_data(self.problem, fit.residual) for fit in self.leaders(form="exact"))
 
     @property
-    def hopeless(self) -> float:
+    def cost_bound(self) -> float:
         """Cost with the errors as stated from which a model is far behind the best one.
 
         Where none is near the data, a few errors less say nothing of where a search would end.
@@ -141,24 +148,24 @@ class Models:
     def add_fits(self, starts: Sequence[Start]) -> None:
         """Fit models from starts, in step, unless nothing can be fitted there."""
         self.begun += len(starts)
-        for fit in in_step(self.problem, [self._fitted(start) for start in starts]):
+        for fit in run_batched(self.problem, [self._fitted(start) for start in starts]):
             if fit is not None:
                 self.add(fit)
 
-    def _fitted(self, start: Start) -> Asking[Fit | None]:
-        hopeless, least = start.hopeless, -math.inf
+    def _fitted(self, start: Start) -> Batched[Fit | None]:
+        cost_bound, least = start.cost_bound, -math.inf
         rivals = self.leaders(1, start.form)
         if start.causes and rivals:
             prior = self.log_prior(start.causes, start.form)
             prior += self.corrections.get(frozenset(cause.name for cause in start.causes), 0.0)
             least = self.log_posterior(rivals[0]) - prior - SEARCH.behind
             if start.form == "exact":
-                hopeless = min(hopeless, self.hopeless)
+                cost_bound = min(cost_bound, self.cost_bound)
         try:
             return (
                 yield from minimise(
                     self.problem, self.forms[start.form], start.causes, start.x, h=start.h,
-                    slopes=start.slopes, hopeless=hopeless, least=least,
+                    slopes=start.slopes, cost_bound=cost_bound, least=least,
                 )
             )  # fmt: skip
         except np.linalg.LinAlgError:
@@ -208,7 +215,7 @@ def search(
             break
     compared = [fit for fit in models.leaders() if fit in _near(models) or not fit.causes]
     sharper = [sharpened(problem, models.forms[fit.form], fit) for fit in compared]
-    for fit in in_step(problem, sharper):
+    for fit in run_batched(problem, sharper):
         models.best[fit.names, fit.form] = fit
     _draw(models, seed)
 
@@ -286,10 +293,10 @@ def _fit_singles(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -
     """A fit of each cause by itself, begun where first looks promise most."""
     problem, short = models.problem, models.problem.short
     every = first_looks(short, seen_in(short, models.null), ends, causes)
-    looks = in_step(short, [looked(short, *look) for look in every[:1]])
+    looks = run_batched(short, [looked(short, *look) for look in every[:1]])
     near = (end for end, _ in looks if is_near_data(short, end.residual))
     rival = next(near, None)
-    looks += in_step(short, [looked(short, *look, rival) for look in every[1:]])
+    looks += run_batched(short, [looked(short, *look, rival) for look in every[1:]])
     looks.sort(key=lambda look: look[0].cost)
     first = {cause.name: (end, cause) for end, cause in reversed(looks)}
     margin = SEARCH.margin * len(short.y) / len(problem.y)
@@ -316,7 +323,7 @@ def _nest_singles(models: Models, causes: Sequence[Cause]) -> None:
     problem, null, exact = models.problem, models.null, models.forms["exact"]
 
     def behind(cause: Cause) -> bool:
-        fit, reaches = models.get([cause.name]), null.cost < models.hopeless
+        fit, reaches = models.get([cause.name]), null.cost < models.cost_bound
         return fit is None or (reaches and fit.cost > null.cost + DESCENT.settled)
 
     best: dict[str, Response] = {}
@@ -324,7 +331,7 @@ def _nest_singles(models: Models, causes: Sequence[Cause]) -> None:
     if not worse:
         return
     sizes = (*SEARCH.small, USUAL)
-    for response in responses(problem, null.end, (), worse, exact, null.h, sizes, draft=True):
+    for response in responses(problem, null.end, (), worse, exact, null.h, sizes, cheap=True):
         best.setdefault(response.cause.name, response)
     models.add_fits([
         Start("exact", (response.cause,), response.x, response.slopes)
@@ -360,7 +367,7 @@ def _leaves_too_little(models: Models, leader: Fit) -> bool:
 def _look_beside(models: Models, leader: Fit) -> None:
     """Fit the models with one cause more, less or exchanged, from where a leader is."""
     problem, metric, h = models.problem, models.forms[leader.form], leader.h
-    hopeless, (first,) = leader.cost + SEARCH.margin, models.leaders(1)
+    cost_bound, (first,) = leader.cost + SEARCH.margin, models.leaders(1)
     if leader.form == "exact":
         metric, h = softened(problem, leader), np.zeros(0)
     bases = []
@@ -374,7 +381,7 @@ def _look_beside(models: Models, leader: Fit) -> None:
     for x, cause in zip(points, leader.causes, strict=True):
         x[problem.columns([cause])] = 0.0
     at = [end_at(problem, *pair) for pair in zip(smaller, points, strict=True)]
-    bases += zip(smaller, in_step(problem, at), strict=True)
+    bases += zip(smaller, run_batched(problem, at), strict=True)
     starts = [Start(leader.form, rest, end.x, end.slopes) for rest, end in bases
               if rest != leader.causes]  # fmt: skip
     for rest, end in bases:
@@ -385,7 +392,7 @@ def _look_beside(models: Models, leader: Fit) -> None:
         least = (_least_fall(models, leader) if third else SEARCH.worth) if more else -math.inf
         tried: dict[str, int] = {}
         sizes = (*SEARCH.smaller, USUAL) if more and leader.names == first.names else (USUAL,)
-        for response in responses(problem, end, rest, offered, metric, h, sizes, draft=True):
+        for response in responses(problem, end, rest, offered, metric, h, sizes, cheap=True):
             name = response.cause.name
             if response.gain < least or (name not in tried and len(tried) == SEARCH.more):
                 continue
@@ -393,7 +400,7 @@ def _look_beside(models: Models, leader: Fit) -> None:
             if tried[name] > 2 or not _may_improve(models, leader, rest, end, response):
                 continue
             both, hyper = (*rest, response.cause), h if metric.names else None
-            starts.append(Start(leader.form, both, response.x, response.slopes, hyper, hopeless))
+            starts.append(Start(leader.form, both, response.x, response.slopes, hyper, cost_bound))
             if more and tried[name] == 1:
                 # Nested: never worse than what it contains.
                 starts.append(replace(starts[-1], x=leader.x))

@@ -14,15 +14,15 @@ from scipy.stats import qmc
 
 from stickslip._util.arrays import Array
 from stickslip.diagnosis.fitting.descent import (
-    Asking,
+    Batched,
     End,
     costs_of,
     descend,
     end_at,
     finished,
-    in_step,
     precision_of,
-    walk,
+    refine,
+    run_batched,
 )
 from stickslip.diagnosis.fitting.forms import Form, Softened, forms
 from stickslip.diagnosis.fitting.models import Fit, minimise
@@ -62,12 +62,12 @@ def _descended(problem: Problem, exact: Form, starts: Sequence[Array]) -> tuple[
     for stage, most in zip(DESCENT.stages, SEARCH.descents, strict=False):
         soft = Softened(problem, *stage)
         every = [descend(problem, soft, np.zeros(0), (), x) for x in starts[:most]]
-        ends = sorted(in_step(problem, every), key=lambda end: end.cost)
+        ends = sorted(run_batched(problem, every), key=lambda end: end.cost)
         distinct = list(separated(ends, lambda end: end.x, SEARCH.same))
         softest = softest or distinct
         starts = [end.x for end in distinct]
     fits = [minimise(problem, exact, (), x) for x in starts[: SEARCH.descents[-1]]]
-    return min(in_step(problem, fits), key=lambda fit: fit.cost), softest
+    return min(run_batched(problem, fits), key=lambda fit: fit.cost), softest
 
 
 def _scan(problem: Problem, count: int, seed: int) -> Array:
@@ -121,40 +121,42 @@ Look = tuple[Cause, Array, Array | None, Sequence[Softened], int]
 def first_looks(
     problem: Problem, null: Fit, ends: Sequence[End], causes: Sequence[Cause]
 ) -> list[Look]:
-    """Where responses about several ends promise most, the best first, and where a freed constant
+    """Where responses about several ends promise most, the best first, and where a relaxed constant
     is near the data.
 
     The stated constants are one of these: a fit without the cause may have bent them to what it
     does. A cause with a fine shape has many minima: it is followed from each, and farther.
     """
     soft, robust = softened(problem, null), Softened(problem, *DESCENT.stages[-1])
-    # A view has to show where it is with the stated model, not with a draft.
+    # A view has to show where it is with the stated model, not a cheaper one.
     apart = itertools.islice(separated(ends, lambda end: end.x, SEARCH.apart), SEARCH.views - 1)
     places = [end.x for end in apart]
     if np.linalg.norm(null.x) > SEARCH.apart:
         places.append(np.zeros(problem.size))
-    views = [null.end, *in_step(problem, [end_at(problem, (), x) for x in places])]
+    views = [null.end, *run_batched(problem, [end_at(problem, (), x) for x in places])]
     fine = [cause for cause in causes if np.any(problem.fineness[problem.columns([cause])] <= FINE)]
     # Of each view, as gains about one end do not compare with those about another.
     bundles = [(cause, [list[Response]() for _ in views]) for cause in causes if cause not in fine]
     together = {cause.name: groups for cause, groups in bundles}
     for number, view in enumerate(views):
         of_fine: dict[str, list[Response]] = {cause.name: [] for cause in fine}
-        for response in responses(problem, view, (), causes, soft, np.zeros(0), draft=True):
+        for response in responses(problem, view, (), causes, soft, np.zeros(0), cheap=True):
             name = response.cause.name
             (of_fine[name] if name in of_fine else together[name][number]).append(response)
         bundles += [(cause, [of_fine[cause.name]]) for cause in fine]
     hopes: list[tuple[float, Look]] = []
-    for promising in in_step(problem, [_promising(problem, soft, *each) for each in bundles]):
+    for promising in run_batched(problem, [_promising(problem, soft, *each) for each in bundles]):
         for cost, response in promising:
             steps = SEARCH.longer_look if response.cause in fine else SEARCH.look
             look = response.cause, response.x, response.slopes, (soft, robust), steps
             hopes.append((cost, look))
     looks = [look for _, look in sorted(hopes, key=lambda hope: hope[0])]
-    freed = [cause for cause in causes if cause.is_constant]
+    relaxed = [cause for cause in causes if cause.is_constant]
     stages = (*(Softened(problem, *stage) for stage in DESCENT.stages[:2]), robust)
     for cause, starts in zip(
-        freed, in_step(problem, [_along(problem, cause, null) for cause in freed]), strict=True
+        relaxed,
+        run_batched(problem, [_along(problem, cause, null) for cause in relaxed]),
+        strict=True,
     ):
         looks += [(cause, x, None, stages, 2 * SEARCH.look) for x in starts]
     return looks
@@ -162,7 +164,7 @@ def first_looks(
 
 def _promising(
     problem: Problem, soft: Softened, cause: Cause, views: Sequence[Sequence[Response]]
-) -> Asking[list[tuple[float, Response]]]:
+) -> Batched[list[tuple[float, Response]]]:
     """The best start of a cause and the best one about another view, with their costs.
 
     Responses are right to first order. A start that is better now may be where no descent leads
@@ -190,8 +192,8 @@ def _promising(
     return [(float(cost[k]), near[k][1]) for k in (first, *elsewhere[:1])]
 
 
-def _along(problem: Problem, cause: Cause, null: Fit) -> Asking[list[Array]]:
-    """Points along a freed constant over its widened prior where the data are nearest.
+def _along(problem: Problem, cause: Cause, null: Fit) -> Batched[list[Array]]:
+    """Points along a relaxed constant over its widened prior where the data are nearest.
 
     Predictions may jump, so that no descent leads to a constant that is far off. One about the
     recalibrated constants and two about the stated ones: a fit without the cause may have bent the
@@ -214,16 +216,16 @@ def _along(problem: Problem, cause: Cause, null: Fit) -> Asking[list[Array]]:
 def looked(
     problem: Problem, cause: Cause, x: Array, slopes: Array | None, stages: Sequence[Softened],
     steps: int, rival: End | None = None,
-) -> Asking[tuple[End, Cause]]:  # fmt: skip
+) -> Batched[tuple[End, Cause]]:  # fmt: skip
     """A first look at a cause by itself, which ends early where it is far behind a rival."""
     for form in stages:
-        hopeless = math.inf
+        cost_bound = math.inf
         if rival is not None:
             left = rival.residual[None, :]
-            hopeless = float(form.cost(left, np.zeros(0))[0]) + SEARCH.margin / form.factor**2
-        end = yield from walk(
+            cost_bound = float(form.cost(left, np.zeros(0))[0]) + SEARCH.margin / form.factor**2
+        end = yield from refine(
             problem, form, np.zeros(0), (cause,), x, steps=steps, slopes=slopes,
-            hopeless=hopeless, draft=True,
+            cost_bound=cost_bound, cheap=True,
         )  # fmt: skip
         x, slopes = end.x, end.slopes
     return end, cause

@@ -1,1 +1,1 @@
-"""What a person reads: sentences, figures, the page, and the numbers of report.json."""
+"""Reports for a person: sentences, figures, the page, and the numbers of report.json."""

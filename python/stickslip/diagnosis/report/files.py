@@ -22,8 +22,8 @@ from stickslip._util.html import VERSION, page_text, svg
 from stickslip._util.palette import BLUE, DARK_GREY, VERMILION
 from stickslip._util.text import json_text
 from stickslip.diagnosis.decision.facts import Facts
+from stickslip.diagnosis.decision.misfit_test import GOF_LEVEL
 from stickslip.diagnosis.decision.posterior import SURE
-from stickslip.diagnosis.decision.test import ADEQUATE
 from stickslip.diagnosis.decision.verdict import DOMINANT
 from stickslip.diagnosis.report.numbers import numbers_of
 from stickslip.diagnosis.report.pictures import Plots
@@ -51,7 +51,7 @@ def save(facts: Facts, out: str | PathLike[str], title: str | None) -> None:
 
 
 def figures_of(facts: Facts) -> dict[str, Any]:
-    """What a page shows beside its numbers: see `Plots.of_page`."""
+    """The figures of a page beside its numbers: see `Plots.of_page`."""
     figures = Plots(facts).of_page()
     fits = {name: list(map(_svg, each)) for name, each in figures.pop("fit").items()}
     return {"fit": fits, **{name: list(map(_svg, each)) for name, each in figures.items()}}
@@ -61,7 +61,7 @@ def page(numbers: Mapping[str, Any], figures: Mapping[str, Any], vocabulary: Voc
     """The report of a `numbers_of` as one page that needs no other file."""
     text = page_text(
         "diagnosis/report/report.html.j2", r=numbers, figures=figures, folds=[], a=amounts,
-        w=Words(vocabulary), sure=SURE, adequate=ADEQUATE, dominant=DOMINANT,
+        w=Words(vocabulary), sure=SURE, adequate=GOF_LEVEL, dominant=DOMINANT,
         drawing=lambda name, way: Markup(vocabulary.drawing(name, way)),
     )  # fmt: skip
     # No line ends between a number and its sign or unit.

@@ -73,7 +73,7 @@ class Plots:
 
     @matplotlib.rc_context(PLAIN)
     def residuals(self, table: int | None = None) -> Figure:
-        """What both models leave of a table, over the setting that shows the cause best.
+        """Residuals of both models of a table, over the setting that shows the cause best.
 
         If not given, of the table in which the cause improves the fit most, or most misfit is left.
         """

@@ -1,1 +1,1 @@
-"""What may be in a model: parameters, causes, laws of a free shape, instruments."""
+"""Terms of a model: parameters, causes, laws of a free shape, instruments."""

@@ -105,7 +105,7 @@ class Cause(OneLine):
         return self.read is not None or self.acts is not None
 
     def acted(self, signal: Signal, p: dict[str, Array], table: Table, given: Array) -> Signal:
-        """What it makes of an input that was recorded as `given`, (vectors, rows)."""
+        """The input as it acts, which was recorded as `given`, (vectors, rows)."""
         if self.acts is not None:
             return self.acts(signal, p)
         assert self.read is not None

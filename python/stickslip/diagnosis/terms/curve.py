@@ -68,7 +68,7 @@ class Statement(Protocol):
     def forms(self) -> Sequence[str]: ...
 
     def in_form(self, form: str, scale: float | None) -> Statement:
-        """That of another form, with a scale that is no parameter."""
+        """The statement of another form, with a scale that is no parameter."""
         ...
 
     def lines(self, numbers: Mapping[str, float]) -> list[str]:

@@ -1,4 +1,4 @@
-"""What happens at an unknown time, as causes: a step or a pulse of the readings or of an input.
+"""Events at an unknown time, as causes: a step or a pulse of the readings or of an input.
 
 Each public function but `edge` makes a `stickslip.Cause` for data in time (`stickslip.Series`).
 They share these parameters:
@@ -91,7 +91,7 @@ def _read(
 
 
 def _acted(names: Sequence[str], signal: Signal, p: dict[str, Array]) -> Signal:
-    """Of a held input each step has its mean, so that its momentum is right.
+    """A held input has its mean in each step, so that its momentum is right.
 
     An input that acts late already is changed by when it acts.
     """

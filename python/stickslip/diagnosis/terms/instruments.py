@@ -1,4 +1,4 @@
-"""What an instrument does to its readings, as causes beside the physics.
+"""Errors of instruments, as causes beside the physics.
 
 Each public function makes a `stickslip.Cause` with a `read`, which the diagnosis applies to
 predictions, one after another in the order of the causes::
@@ -301,7 +301,7 @@ def _changed(readings: Array, rows: Rows, values: Array) -> Array:
 
 
 def _fitting(given: Array, some: Array) -> Array:
-    """What was given for some rows, if it is one for each."""
+    """Values for some rows, if there is one for each."""
     if given.shape[-1] != some.shape[1]:
         text = f"{given.shape[-1]} times or angles were given for {some.shape[1]} rows"
         raise ScenarioError(f"instruments: {text}; allowed is one for each")
@@ -312,7 +312,7 @@ def read_by(
     causes: Sequence[Cause], names: Sequence[str], values: Array,
     physics: Callable[[Sequence[str], Array], Array], table: Table,
 ) -> Array:  # fmt: skip
-    """What instruments read, shape (vectors, k).
+    """Readings of instruments, shape (vectors, k).
 
     Vectors that differ in the instruments alone share a prediction. Of the `causes` those with a
     `read` act one after another, if `names`, those of the columns of `values`, shape (vectors,

@@ -1,4 +1,4 @@
-"""What causes, their parameters and sizes are called, by the words of a model."""
+"""Words for causes, their parameters and sizes."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def of_side(name: str) -> tuple[str, str]:
 
 
 class Words:
-    """What causes, parameters and their sizes are called by a vocabulary.
+    """Words of a vocabulary for causes, parameters and their sizes.
 
     A model of one's own has the words of its user, whatever names it shares with others. `causes`
     are those of a problem.

@@ -28,18 +28,18 @@ class Numbers(TypedDict, total=False):
     of_measurement: bool
     """Whether the data are a measurement file."""
     seed: int
-    """Of the random draws."""
+    """Seed of the random draws."""
     version: str
-    """Of this package."""
+    """Version of this package."""
     sides: dict[str, dict[str, float]]
-    """Of a comparison alone: parameters of the model `before` and `after`, by name."""
+    """For a comparison alone: parameters of the model `before` and `after`, by name."""
     paired: bool
-    """Of a comparison alone: whether differences at equal settings were fitted."""
+    """For a comparison alone: whether differences at equal settings were fitted."""
     notes: list[dict[str, Any]]
-    """What a reader should know besides, `{code, text, routine}`: those that nearly every report
+    """Further notes for a reader, `{code, text, routine}`: those that nearly every report
     has (`routine`) come last."""
     left_out: list[str]
-    """What was not used, and why, in sentences."""
+    """Sentences on what was not used, and why."""
     conditions: list[dict[str, Any]]
     """Each reading: `table`, `number`, `settings`, `unit`, `reading`, `sd` (null where it is not
     known), `readings` (how many its mean is of), and what the `stated`, the `recalibrated` and the

@@ -17,7 +17,7 @@ from stickslip.diagnosis.report.sections.evidence import MOST_NAMED
 from stickslip.diagnosis.report.sections.size import rows_of
 
 Side = Literal["above", "below", "both"]
-"""Of the model, on which readings lie."""
+"""Colour of the model, on which readings lie."""
 
 # Of a pattern of the misfit: the least lead of its log-likelihood, what each setting in it costs,
 # the share of its square on one side, ends of ranges that are tried, and part of the misfit from
@@ -28,7 +28,7 @@ _STANDS_OUT, _A_WORD, _ONE_SIDED, _ENDS, _MOST_OF_IT = 4.0, 2.0, 0.9, 21, 0.5
 
 class Numbers(TypedDict):
     recalibrated: dict[str, dict[str, Any]]
-    """Of each uncertain parameter its prior in words (`before`), `stated`, `value`, `sd`, `low`,
+    """By uncertain parameter its prior in words (`before`), `stated`, `value`, `sd`, `low`,
     `high`, `pull`, and `extended` and `pull_extended` in the extended model."""
     moved: dict[str, Any] | None
     """The constant that the recalibrated model moved farthest: `name`, `title`, `pull`; or null."""

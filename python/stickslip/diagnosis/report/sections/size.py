@@ -32,7 +32,7 @@ Rows = dict[str, dict[str, Any]]
 
 class Numbers(TypedDict):
     parameters: Rows
-    """Of the cause by name, such as `surface_tilt.angle`: `value`, `sd`, `low` and `high` (95 %),
+    """By name, such as `surface_tilt.angle`, sizes: `value`, `sd`, `low` and `high` (95 %),
     `unit`, `prior`, `pull`, `title`, and the prior in words (`before`). For `ambiguous` those of
     each model of the set; empty for `unexplained`."""
     claimed: list[dict[str, Any]]
@@ -42,11 +42,11 @@ class Numbers(TypedDict):
     beside them (`in_all`), the most probable of these (`further`), that among the models with a
     cause (`among_causes`), its `share`, and what is `left`, in words."""
     discrepancy: dict[str, Any] | None
-    """What is left beside the cause: `form` (<form>) and, unless that is `exact`, `kappa`, the
+    """The rest beside the cause: `form` (<form>) and, unless that is `exact`, `kappa`, the
     scatter in the stated errors, `size` of each table in its unit, `correlation` in readings of a
     run, `length` in half the range of a setting."""
     law: dict[str, Any] | None
-    """Of a law of another shape: `name`, its curve (`at`, `value`, `low` and `high`, which hold
+    """A law of another shape: `name`, its curve (`at`, `value`, `low` and `high`, which hold
     95 %, `unit` and `law_unit`), its `form`, the probabilities of its `forms`, and the `lines` that
     state it; else null."""
 
@@ -124,7 +124,7 @@ def _claim(facts: Facts, candidate: Candidate) -> dict[str, Any]:
 
 
 def _otherwise(facts: Facts, candidate: Candidate, cause: Cause, sizes: Rows) -> dict[str, Any]:
-    """What is said of a law in another shape, and of a constant of two sides that are compared."""
+    """Sentences on a law of another shape, and on a constant of two sides that are compared."""
     words, (of, side), told = facts.words, of_side(cause.name), dict[str, Any]()
     if cause.curve is not None:
         # Drawings have the names of the laws.
@@ -144,7 +144,7 @@ def _otherwise(facts: Facts, candidate: Candidate, cause: Cause, sizes: Rows) ->
 
 
 def _in_another_unit(constant: Parameter, row: dict[str, Any]) -> str:
-    """What is said of a constant that is off by the factor of a unit, within its errors."""
+    """A sentence on a constant that is off by the factor of a unit, within its errors."""
     (stated, beside), value = constant.value(np.array([0.0, 1.0])).tolist(), row["value"]
     if not stated or not value:
         return ""
@@ -153,7 +153,7 @@ def _in_another_unit(constant: Parameter, row: dict[str, Any]) -> str:
 
 
 def _left(facts: Facts, candidate: Candidate) -> list[str]:
-    """What is left beside a cause, and the errors of readings, a text for each table."""
+    """The rest beside a cause, and the errors of readings, a text for each table."""
     left, texts, problem = candidate.left, [], facts.problem
     for table, part, name, title, _ in problem.parts:
         size = left.get("size", {}).get(name, 0.0)

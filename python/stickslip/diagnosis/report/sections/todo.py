@@ -1,4 +1,4 @@
-"""What to do next: whether the name is safe, and what to measure."""
+"""Next steps: whether the name is safe, and what to measure."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Numbers(TypedDict):
     """For `ambiguous`: up to three `{drive, words, why, separation, predictions, predicted}`, the
     best first, `words` and `predicted` for readers."""
     advice: list[str]
-    """What else to measure, in sentences."""
+    """Further measurements, in sentences."""
 
 
 def numbers(facts: Facts) -> Numbers:

@@ -1,4 +1,4 @@
-"""What the data cannot tell: confounded causes, constants that trade, and upper limits."""
+"""Limits of the data: confounded causes, constants that trade, and upper limits."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _COMPARED = 12  # causes whose effects are compared
 
 class Numbers(TypedDict):
     cannot_tell: dict[str, Any] | None
-    """What these data cannot tell, null for `data-problem`: `alike`, confounded causes (`told`: of
+    """Limits of these data, null for `data-problem`: `alike`, confounded causes (`told`: of
     the model) and `others` with similar effects beyond what the constants undo (`cosine` above
     0.9), the chi-square that tells them apart (`lead`, `parted` above 11.8), how many times these
     readings would (`more`; null: no number), the reading at which they differ most (`where`), by
@@ -26,9 +26,9 @@ class Numbers(TypedDict):
     (`kind`, `expression`, `weights`, `value`, `sd`, `unit`); causes that would be `hidden` by
     `constants`; parameters of which the data tell less than was stated (`silent`)."""
     cosines: list[dict[str, Any]]
-    """Of each leading cause how like its effect can be to that of each before it, 0 to 1."""
+    """How like the effect of each leading cause can be to that of each before it, 0 to 1."""
     bounds: dict[str, dict[str, Any]]
-    """Of each cause that is not in the model: 95 % upper limit of each parameter's magnitude, and
+    """By cause that is not in the model: 95 % upper limit of each parameter's magnitude, and
     for a limit that acts as it falls (`amplifier_limit.voltage`) the lowest that could be; of a
     comparison the constant that it `changes`."""
 

@@ -1,4 +1,4 @@
-"""What is said, what it rests on, and how sure it is."""
+"""The verdict, its reasons, and how sure it is."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Numbers(TypedDict):
     data_problem: list[str]
     """For `data-problem`: what the check compares, how large the finding is, what to do."""
     probabilities: dict[str, float]
-    """Of each cause, that it is in the model, and of `none`. A pair counts for each."""
+    """By cause, that it is in the model, and of `none`. A pair counts for each."""
     tests: dict[str, float]
     """The two parts of `p_value`: `lack_of_fit` and `score`."""
     share: float | None
@@ -31,7 +31,7 @@ class Numbers(TypedDict):
     common: list[str]
     """Causes in all members, in words."""
     beside: list[str]
-    """What each member has beside these, in words."""
+    """Further causes of each member, in words."""
     unproven: bool
     """Whether held-out readings do not prove a second cause."""
     misfit_of_both: bool
@@ -59,7 +59,7 @@ def numbers(facts: Facts) -> Numbers:
 
 
 def _beside(facts: Facts) -> list[str]:
-    """What the members of a set have beside the causes that all of them have."""
+    """Causes of each member of a set beside those that all of them have."""
     common, members = frozenset(facts.verdict.common), facts.verdict.members
     nothing = "nothing else" if common else facts.words.title("none")
     texts = []

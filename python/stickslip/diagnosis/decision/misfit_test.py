@@ -16,7 +16,7 @@ import numpy as np
 from scipy.stats import chi2, rankdata
 
 from stickslip._util.arrays import Array, Mask
-from stickslip.diagnosis.fitting.descent import in_step
+from stickslip.diagnosis.fitting.descent import run_batched
 from stickslip.diagnosis.fitting.models import Fit, minimise
 from stickslip.diagnosis.fitting.problem import Problem, lack_of_fit
 from stickslip.diagnosis.fitting.responses import Response
@@ -25,7 +25,7 @@ from stickslip.diagnosis.fitting.search import Models
 ALPHA = 0.05
 """Rate of false alarms: the usual choice."""
 
-ADEQUATE = 0.01
+GOF_LEVEL = 0.01
 """A model explains the data whose lack of fit has at least this p-value: 1 % of true models are
 refused. Chosen."""
 
@@ -39,7 +39,7 @@ _DRAWS, _MANY, _LARGE, _FEWER, _AT_ONCE, _UNSEEN = 4000, 2000, 150_000, 1000, 1 
 
 
 @dataclass(frozen=True)
-class Test:
+class MisfitTest:
     """p-values of the lack of fit, of the largest score, and of both together."""
 
     p_value: float
@@ -52,7 +52,7 @@ class Test:
         return self.p_value < ALPHA
 
 
-def adequacy(problem: Problem, fit: Fit) -> float:
+def goodness_of_fit(problem: Problem, fit: Fit) -> float:
     """p-value of the lack of fit of a model with the errors as they are stated.
 
     The prior of the constants belongs to the misfit. That of an effect's size does not: it says
@@ -87,7 +87,7 @@ def chance_of_other_constants(models: Models, null: Fit) -> float:
     form = models.forms[null.form]
     start = minimise(problem, form, others, null.x, h=null.h)
     try:
-        (fit,) = in_step(problem, [start])
+        (fit,) = run_batched(problem, [start])
     except np.linalg.LinAlgError:  # nothing can be fitted there, and so nothing said
         return 0.0
     costs = form.cost(np.stack([null.residual, fit.residual]), null.h)
@@ -119,7 +119,7 @@ def follows_settings(problem: Problem, fit: Fit) -> bool:
     return bool(pairs) and 1.0 + larger < ALPHA * (_PERMUTED + 1.0)
 
 
-def tested(problem: Problem, null: Fit, responses: list[Response], seed: int) -> Test:
+def tested(problem: Problem, null: Fit, responses: list[Response], seed: int) -> MisfitTest:
     """Test the recalibrated model, with responses of causes about it.
 
     All that was tried of a cause counts, such as every place of a scan, and not only where the data
@@ -160,16 +160,16 @@ def tested(problem: Problem, null: Fit, responses: list[Response], seed: int) ->
     exact = lack_of_fit(problem, observed, n)
     fits, fit_p = _shares(misfits, observed)
     if not len(directions):
-        return Test(exact, exact, 1.0)
+        return MisfitTest(exact, exact, 1.0)
     scores, score_p = _shares(scores, float(largest(residual[None, :])[0]))
     smaller = np.minimum(fits, scores)
     both = (1.0 + float(np.sum(smaller <= min(fit_p, score_p)))) / (count + 1.0)
     # Beyond what draws can tell, the law of the misfit is known.
-    return Test(min(both, 2.0 * min(exact, score_p)), exact, score_p)
+    return MisfitTest(min(both, 2.0 * min(exact, score_p)), exact, score_p)
 
 
 def _directions(problem: Problem, p: int, responses: Sequence[Response]) -> tuple[Array, Mask]:
-    """What causes do to the whitened rows and the prior of `p` constants, and whether its opposite
+    """Effects of causes on whitened rows and the prior of `p` constants, and whether its opposite
     counts, too."""
     n, one_each = len(problem.y), {each.cause.name: each for each in responses}.values()
     count = sum(len(each.tried) + each.cause.is_constant for each in one_each)
