@@ -262,6 +262,9 @@ VoltageProgram program_from(const std::vector<std::tuple<Array, Array, std::int6
     for (const auto& [times, voltages, repeats] : blocks) {
         const auto t = times.unchecked<1>();
         const auto v = voltages.unchecked<2>();
+        if (v.shape(0) != t.shape(0) || v.shape(1) != py::ssize_t{kCoilCount}) {
+            throw std::invalid_argument("voltages must have the shape (n, 5) for n times");
+        }
         std::vector<VoltagePoint> points;
         for (py::ssize_t i = 0; i < t.shape(0); ++i) {
             points.push_back({t(i), {v(i, 0), v(i, 1), v(i, 2), v(i, 3), v(i, 4)}});

@@ -293,7 +293,7 @@ REFUSALS = [
     ("voltages", None, "No such file"),
     ("voltages", "", "is empty"),
     ("voltages", "t,xp,xm,yp,ym,clamp\n", "no row of data"),
-    ("voltages", "t,xp,xm,yp,ym,clamp\n0,0,0,0,0,0\n", ["1 row of", "two points or more"]),
+    ("voltages", "t,xp,xm,yp,ym,clamp\n0,0,0,0,0,0\n", ["1 row of", "allowed are two or more"]),
     ("voltages", "t,xp,xm,yp,ym\n0,0,0,0,0\n", ["row 1", 'column "clamp" is missing']),
     ("voltages", "0,0,0,0,0,0\n1,0,0,0,0,0\n", "first line is numbers"),
     ("voltages", "t,xp,xm,yp,ym,clamp,zp\n0,0,0,0,0,0,0\n", ["row 1", '"zp"', "no such"]),
@@ -347,7 +347,7 @@ REFUSALS = [
         )
         for repeats in (2.7, np.float32(2.0), 0, "2", True, None, np.timedelta64(2, "s"))
     ),
-    ("waveform", ("from_points", [0.0], np.zeros((1, 5))), "two points or more"),
+    ("waveform", ("from_points", [0.0], np.zeros((1, 5))), "1 points; allowed are two or more"),
     ("waveform", ("from_points", [0.0, 0.0], np.zeros((2, 5))), "no duration"),
     ("waveform", ("from_points", [0.1, 0.2], np.zeros((2, 5))), "has to be at 0"),
     ("waveform", ("from_points", [0, 2, 1], np.zeros((3, 5))), "must not fall"),

@@ -54,6 +54,7 @@ VARIED = [
     ("word", "drive.frequency", 'vary = "drive.frequency"'),
     ("unknown key", {"drive.freqency": [1]}, 'did you mean "drive.frequency"'),
     ("number as key", {3: [1]}, "key 3"),
+    ("map", {"coil.map": [None]}, "not voltages or maps"),
     ("no value", {"drive.frequency": []}, "drive.frequency: there is no value"),
     ("one value", {"drive.frequency": 30.0}, "drive.frequency = 30.0: allowed is a list"),
     ("one word", {"drive.mode": "IPP"}, 'drive.mode = "IPP": allowed is a list'),

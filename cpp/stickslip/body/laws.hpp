@@ -325,7 +325,7 @@ public:
         for (std::size_t i = 0; i < N; ++i) values[i] = result[i];
     }
 
-    /// The coefficient of a contact at x (m) that sticks, but for the way and the load.
+    /// The coefficient of a contact at x (m) that sticks, but for laws of sign and load.
     [[gnu::always_inline]] Real static_coefficient(Real coefficient, Real x,
                                                    const PoseOf<Real>& pose, Real tau) const {
         return friction<Quantity::friction>(coefficient, {.tau = tau, .pose = pose, .place = x});
@@ -339,7 +339,7 @@ public:
             {.tau = tau, .pose = pose, .slip_speed = magnitude(slip_velocity), .place = x});
         return directional(alone, slip_sign);
     }
-    /// Laws of the way have one form, so that they need not be apart.
+    /// Laws of the sign have one form, so that they need not be apart.
     [[gnu::always_inline]] Real directional(Real coefficient, Real slip_sign) const {
         constexpr Quantity kSigned = Quantity::directional_friction;
         const LawInput<Real> at = {.slip_sign = slip_sign};

@@ -106,7 +106,7 @@ private:
         });
     }
 
-    // At `speed` (m/s) the way that is `direction`.
+    // At `speed` (m/s) along `direction`.
     struct Slipping {
         CornerSlip motion;
         double across;  // m/s^2

@@ -22,8 +22,14 @@ void check_block(VoltageBlock& block) {
         throw std::invalid_argument("point " + std::to_string(k + 1) +
                                     ": t = " + digits(block.points[k].time) + why);
     };
-    if (count < 2) throw std::invalid_argument("voltages: allowed are two points or more");
-    if (block.repeats < 1) throw std::invalid_argument("repeats: allowed is 1 or more");
+    if (count < 2) {
+        throw std::invalid_argument("voltages: " + std::to_string(count) +
+                                    " points; allowed are two or more");
+    }
+    if (block.repeats < 1) {
+        throw std::invalid_argument("repeats = " + std::to_string(block.repeats) +
+                                    ": allowed is 1 or more");
+    }
     for (double risen = 0.0; k < count; ++k) {
         auto& [time, volts] = block.points[k];
         const auto finite = [](double volt) { return std::isfinite(volt); };
@@ -65,7 +71,13 @@ PerCoil voltage_at(const VoltageSegment& segment, double t) {
 VoltageProgram::VoltageProgram(std::vector<VoltageBlock> blocks) : blocks_(std::move(blocks)) {
     if (blocks_.empty()) throw std::invalid_argument("the voltage program is empty");
     for (VoltageBlock& block : blocks_) {
-        check_block(block);
+        try {
+            check_block(block);
+        } catch (const std::invalid_argument& error) {
+            if (blocks_.size() == 1) throw;
+            const auto number = &block - blocks_.data() + 1;
+            throw std::invalid_argument("block " + std::to_string(number) + ": " + error.what());
+        }
         duration_ += block.duration() * static_cast<double>(block.repeats);
         for (const VoltagePoint& point : block.points) {
             for (std::size_t coil = 0; coil < kCoilCount; ++coil) {

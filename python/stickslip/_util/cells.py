@@ -103,10 +103,9 @@ class Block(NamedTuple):
 class CsvTable:
     """The header of a CSV file and, by `blocks`, the rows below it.
 
-    Commas, semicolons or tabs separate the cells; a line ``sep=;`` above says which. The header is
-    that of fifty lines which names the most of `columns`, else the last one above rows of numbers
-    with as many cells, else the first without a #; if that has a number, the last comment above it
-    with as many cells and no number, as of `numpy.savetxt`. A row of units may follow.
+    Commas, semicolons or tabs separate cells; a first line ``sep=;`` says which. The header is that
+    of fifty lines which names the most of `columns`, else the last one above rows of as many
+    numbers, else the first without a #, or a comment above it. A row of units may follow.
 
     Parameters
     ----------
@@ -162,9 +161,8 @@ class CsvTable:
         self._rows = self._parsed(self._lines)
         if not self.line:
             self.line, self.header = next(self._rows)
-        if len(self.header) > MOST_COLUMNS:  # before all of them are looked at
-            raise ScenarioError(f"{len(self.header)} columns; allowed are {MOST_COLUMNS}")
-        self._take_units()
+        if len(self.header) <= MOST_COLUMNS:  # else it is refused, see `columns`
+            self._take_units()
         if len(self.header) == 1 and " " in split_unit(self.header[0])[0]:
             names = textwrap.shorten(self.header[0], 60, placeholder=" ...")
             raise ScenarioError(

@@ -178,7 +178,7 @@ def _wrapped(t: Array, unit: str | None, lines: Sequence[Line], notes: list[Note
 def _put_on(
     t: Array, before: Indices, span: float, lines: Sequence[Line], notes: list[Note], of: str
 ) -> Array:
-    """Times that are later by a span after each of these rows, and a note where there is one."""
+    """Times that are later by a span after each of these rows, and a note if there are any."""
     if len(before):
         where = ", ".join(str(lines[k + 1]) for k in before[:3].tolist())
         where += ", ..." if len(before) > 3 else ""

@@ -25,7 +25,7 @@ from stickslip._util.arrays import (
     states_unit,
     without_unit,
 )
-from stickslip._util.cells import DECIMAL_COMMAS, CsvTable
+from stickslip._util.cells import DECIMAL_COMMAS, MOST_COLUMNS, CsvTable
 from stickslip._util.files import read_bytes, replacing
 from stickslip._util.messages import refuse, shown
 from stickslip._util.note import Note
@@ -301,6 +301,8 @@ def _checked_header(file: CsvTable) -> list[str]:
     header = file.header
     if not header:
         raise ScenarioError(_NO_ROW)
+    if len(header) > MOST_COLUMNS:
+        raise ScenarioError(f"{len(header)} columns; allowed are {MOST_COLUMNS}")
     if not any(math.isnan(number(name.replace(",", "."))) for name in header if name):
         raise ScenarioError("its first line is numbers: write a line of column names above it")
     named = [heading or f"column {k + 1}" for k, heading in enumerate(header)]

@@ -1,4 +1,4 @@
-"""Common ground of all models: their terms, the causes that these become, and their readings."""
+"""The common part of all models: their terms, the causes that these become, and their readings."""
 
 from __future__ import annotations
 

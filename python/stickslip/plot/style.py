@@ -46,7 +46,7 @@ _LEAST_PLAIN = 1e-3  # smaller numbers are shown as powers of ten
 _MOST_MICRONS = 1000.0  # a number of four digits is read sooner in mm
 
 LEAST_SPAN = 0.01
-"""Least range of an axis, in the unit shown: rounding makes less of a robot that stands still."""
+"""Least range of an axis in the unit shown: rounding gives a robot at rest a smaller one."""
 
 
 def length(*metres: Array) -> tuple[float, str]:

@@ -52,7 +52,7 @@ class Held:
 
     @property
     def section(self) -> str:
-        """The value of its key."""
+        """The section of its key."""
         return self.key.rpartition(".")[0]
 
     @property
@@ -62,7 +62,7 @@ class Held:
 
     @property
     def class_name(self) -> str:
-        """What its class is called."""
+        """The name of its class."""
         return self.maker.partition(":")[2].partition(".")[0]
 
     @cached_property

@@ -12,7 +12,7 @@ from stickslip._util.files import read_bytes, text_writer, write_together
 from stickslip._util.messages import refuse, shown, suggestion
 from stickslip._util.text import printable, quoted
 from stickslip._util.toml import parse_toml
-from stickslip.errors import ScenarioError, prefixed
+from stickslip.errors import ScenarioError
 from stickslip.scenario.effects import flat_effects
 from stickslip.scenario.held import OBJECTS, PATHS, TABLES, with_files
 from stickslip.scenario.keys import (
@@ -36,7 +36,7 @@ _MOST_BYTES = 1 << 20
 
 
 class Content(NamedTuple):
-    """The file of a scenario."""
+    """The contents of a scenario's file."""
 
     core: _core.Scenario
     held: Mapping[str, Any]  # objects by their keys
@@ -110,9 +110,12 @@ def _made(section: str, table: Mapping[str, Any]) -> Mapping[str, Any]:
     for name, word in words.items():
         if word.default is word.empty and name not in table:
             raise ScenarioError(f"{section}.{name} is missing: {section}.{first} asks for it")
-    with prefixed(f"[{section}]"):
-        made = make(**{name: table[name] for name in words if name in table})
+    if section == "coil" and not {"inductance", "rise_time"} & table.keys():
+        raise ScenarioError("coil.inductance is missing: give inductance or rise_time")
     others = {name: value for name, value in table.items() if name not in words}
+    if section == "coil" and "turns" in others:
+        refuse("coil.turns", others["turns"], "none beside coil.field_per_ampere, which gives it")
+    made = make(**{name: table[name] for name in words if name in table})
     return {key: getattr(made, key) for key in keys} | others
 
 

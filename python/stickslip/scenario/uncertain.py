@@ -118,7 +118,7 @@ class JointPrior:
 
 
 def as_joint_prior(given: object) -> JointPrior:
-    """Forms of `uncertain` of a `Scenario`: a `JointPrior`, or the tables of ``[uncertain]``."""
+    """The `uncertain` of a `Scenario`: the `JointPrior` given, or of tables of ``[uncertain]``."""
     if isinstance(given, JointPrior):
         return given
     if not isinstance(given, Mapping):

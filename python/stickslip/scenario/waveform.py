@@ -36,8 +36,8 @@ _COLUMNS = {"t": "s", **dict.fromkeys(COIL_NAMES, "V")}
 _ROUNDING = 1e-12
 """Part of a time by which sums of times may be rounded. Chosen: a thousand sums of doubles."""
 
-_MOST_BLOCKS = 100_000  # of repeats within repeats; chosen: some MB of memory
-_MOST_ROWS = 2_000_000  # of a file; chosen: a minute of voltages at 30 kHz
+_MOST_ROWS = 2_000_000  # of a file, or of repeats within repeats; chosen: 100 MB
+_MOST_REPEATS = 2**53
 
 
 def volts_per_tesla(coil: Coil | None = None) -> float:
@@ -57,8 +57,8 @@ def drive_waveform(scenario: Scenario) -> Waveform:
 class Waveform:
     """Piecewise-linear voltages of the five coils: blocks of points, each played some times.
 
-    Waveforms are immutable. ``a + b`` plays one after the other, ``n * a`` plays `a` n times, in
-    the memory of one. Two waveforms are equal if they have the same blocks.
+    Waveforms are immutable. ``a + b`` plays one after the other, ``n * a`` plays `a` n times, of
+    one block in the memory of one. Two waveforms are equal if they have the same blocks.
 
     Parameters
     ----------
@@ -83,7 +83,8 @@ class Waveform:
     1.05
     """
 
-    __slots__ = ("_core",)
+    __slots__ = ("_blocks", "_core")
+    _blocks: tuple[_Block, ...]
 
     def __init__(self, blocks: Sequence[tuple[ArrayLike, ArrayLike, int]]) -> None:
         self._core = _core.VoltageProgram([_block(*block) for block in blocks])
@@ -250,7 +251,9 @@ class Waveform:
     @property
     def blocks(self) -> tuple[_Block, ...]:
         """Blocks as (times (n,) in s, voltages (n, 5) in V, repeats); arrays are read-only."""
-        return tuple((locked(t), locked(v), n) for t, v, n in self._core.blocks)
+        if not hasattr(self, "_blocks"):
+            self._blocks = tuple((locked(t), locked(v), n) for t, v, n in self._core.blocks)
+        return self._blocks
 
     @property
     def duration(self) -> float:
@@ -348,18 +351,17 @@ class Waveform:
         ------
         ScenarioError
             If `times` is not a whole number above zero, or if repeats within repeats come to more
-            than a hundred thousand blocks.
+            than two million points.
         """
         check_whole("times", times, 1)
-        blocks = self._core.blocks
-        if len(blocks) * times > _MOST_BLOCKS and len(blocks) > 1:
+        blocks = list(self.blocks)
+        if len(blocks) == 1:
+            return Waveform([(*each[:2], each[2] * int(times)) for each in blocks])
+        if sum(len(t) for t, _, _ in blocks) * times > _MOST_ROWS:
             raise ScenarioError(
-                f"repeats within repeats would need more than {_MOST_BLOCKS} blocks: "
+                f"repeats within repeats would need more than {_MOST_ROWS} points: "
                 "repeat less, or fewer different pieces"
             )
-        if len(blocks) == 1:
-            ((t, v, repeats),) = blocks
-            return self._of(_core.VoltageProgram([(t, v, repeats * int(times))]))
         return self._of(_core.VoltageProgram(blocks * int(times)))
 
     def points(self) -> tuple[Array, Array]:
@@ -436,6 +438,8 @@ def _block(times: ArrayLike, voltages: ArrayLike, repeats: int) -> _Block:
             f"times of shape {t.shape} and voltages of shape {v.shape}: allowed are (n,) and (n, 5)"
         )
     check_whole("repeats", repeats, 1)
+    if repeats > _MOST_REPEATS:
+        refuse("repeats", repeats, "a whole number from 1 to 2^53")
     return t, v, int(repeats)
 
 

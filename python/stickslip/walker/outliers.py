@@ -31,7 +31,7 @@ _ENOUGH = 2000  # trials; chosen: they tell a scale to 3 %, and more would only 
 _GRID, _WIDEST = 40, 50.0  # steps and reach of a scale about the median; chosen: 22 % a step
 _SOME, _SOME_NORMAL = 0.25, 0.3186  # a quarter of normal errors are below so many sd
 ONE_TRACK = "the track of one body"
-"""Allowed places."""
+"""Words of refusals: the places that are allowed."""
 
 _RETURN = 0.1  # of the way from frame to frame, back after two; chosen: no walk returns so often
 _OTHER = 8  # frames in a row that are another body; chosen: as many as make a velocity

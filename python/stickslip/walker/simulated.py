@@ -1,4 +1,4 @@
-"""Common ground of all tables whose model is the simulator."""
+"""The common part of all tables whose model is the simulator."""
 
 from __future__ import annotations
 

@@ -169,8 +169,8 @@ def tested(problem: Problem, null: Fit, responses: list[Response], seed: int) ->
 
 
 def _directions(problem: Problem, p: int, responses: Sequence[Response]) -> tuple[Array, Mask]:
-    """Effects of causes on whitened rows and the prior of `p` constants, and whether its opposite
-    counts, too."""
+    """Effects of causes on whitened rows and the prior of `p` constants, and whether the opposite
+    of each counts, too."""
     n, one_each = len(problem.y), {each.cause.name: each for each in responses}.values()
     count = sum(len(each.tried) + each.cause.is_constant for each in one_each)
     found, either, end = np.zeros((count, n + p)), np.ones(count, dtype=bool), 0

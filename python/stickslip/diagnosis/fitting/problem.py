@@ -275,7 +275,7 @@ class Problem(OneLine):
 
     @cached_property
     def sd(self) -> Array:
-        """Standard deviation of each row, with the model's simulator_noise, shape (n,)."""
+        """Standard deviation of each row, with the simulator's own noise, shape (n,)."""
         sd = np.concatenate([errors.sd for errors in self.errors])
         return sd if self.simulator_noise is None else np.hypot(sd, self.simulator_noise)
 

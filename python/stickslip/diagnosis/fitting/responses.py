@@ -1,4 +1,4 @@
-"""Responses to each further cause about a fit, where its own fit should begin."""
+"""Responses to each further cause about a fit, and where its own fit should begin."""
 
 from __future__ import annotations
 

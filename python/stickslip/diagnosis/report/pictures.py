@@ -32,7 +32,7 @@ _MARKERS, _MOST_PANELS = "osD^v<>Ph*", 8
 _WIDTH = 4.9  # of a panel, inches: its letters can be read on a telephone
 _FEW = 3  # places of a setting below which nothing is seen over it
 _SAMPLES = 200  # points of a group from which on there are no signs and bars
-_STRETCHES = 1000  # of a line of more than four points each; chosen: one for half a dot of a page
+_STRETCHES = 1000  # of a long line, its least and largest points; chosen: half a dot of a page
 # Places between readings at which models are computed, and how far a model may be from what it is
 # known to predict at the readings, in their errors. Chosen: a smooth curve; no visible step.
 _BETWEEN, _SAME = 25, 0.3
@@ -273,7 +273,8 @@ class Plots:
             k, groups = np.concatenate([*groups.values()]) - part.start, {}
             for word, more, colour in (("before", 0.0, GREY), ("after", table.mean, BLACK)):
                 y = (before.mean[order] + more)[k] * factor
-                axes.plot(at[k], y, ".", color=colour, label=word)
+                drawn = _outline(at[k], y)
+                axes.plot(*drawn, "." if len(drawn[0]) == len(y) else "-", color=colour, label=word)
         for group, rows in groups.items():
             x, marker = at[rows - part.start], panel.markers[group]
             y = (facts.problem.y - below)[rows] * factor
@@ -313,11 +314,13 @@ class Plots:
 
 
 def _outline(x: Array, y: Array) -> tuple[Array, Array]:
-    """A line through the least and the largest point of each stretch, in their order; of few points
-    all of them.
+    """A line through the least and the largest point of each stretch along x; of few points all of
+    them.
     """
     if len(y) <= 4 * _STRETCHES:
         return x, y
+    order = np.argsort(x, kind="stable")
+    x, y = x[order], y[order]
     parts = np.array_split(np.arange(len(y)), _STRETCHES)
     kept = np.unique([part[pick(y[part])] for part in parts for pick in (np.argmin, np.argmax)])
     return x[kept], y[kept]

@@ -17,7 +17,7 @@ from stickslip.diagnosis.report.sections.evidence import MOST_NAMED
 from stickslip.diagnosis.report.sections.size import rows_of
 
 Side = Literal["above", "below", "both"]
-"""Colour of the model, on which readings lie."""
+"""Side of the model on which readings lie."""
 
 # Of a pattern of the misfit: the least lead of its log-likelihood, what each setting in it costs,
 # the share of its square on one side, ends of ranges that are tried, and part of the misfit from

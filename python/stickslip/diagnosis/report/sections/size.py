@@ -32,9 +32,9 @@ Rows = dict[str, dict[str, Any]]
 
 class Numbers(TypedDict):
     parameters: Rows
-    """By name, such as `surface_tilt.angle`, sizes: `value`, `sd`, `low` and `high` (95 %),
-    `unit`, `prior`, `pull`, `title`, and the prior in words (`before`). For `ambiguous` those of
-    each model of the set; empty for `unexplained`."""
+    """Parameters of the cause by name, such as `surface_tilt.angle`: `value`, `sd`, `low` and
+    `high` (95 %), `unit`, `prior`, `pull`, `title`, and the prior in words (`before`). For
+    `ambiguous` those of each model of the set; empty for `unexplained`."""
     claimed: list[dict[str, Any]]
     """The models of the verdict in words, each with its `probability` and `causes`."""
     leader: dict[str, Any] | None
@@ -42,7 +42,7 @@ class Numbers(TypedDict):
     beside them (`in_all`), the most probable of these (`further`), that among the models with a
     cause (`among_causes`), its `share`, and what is `left`, in words."""
     discrepancy: dict[str, Any] | None
-    """The rest beside the cause: `form` (<form>) and, unless that is `exact`, `kappa`, the
+    """The discrepancy beside the cause: `form` (<form>) and, unless that is `exact`, `kappa`, the
     scatter in the stated errors, `size` of each table in its unit, `correlation` in readings of a
     run, `length` in half the range of a setting."""
     law: dict[str, Any] | None

@@ -19,7 +19,7 @@ class Numbers(TypedDict):
     data_problem: list[str]
     """For `data-problem`: what the check compares, how large the finding is, what to do."""
     probabilities: dict[str, float]
-    """By cause, that it is in the model, and of `none`. A pair counts for each."""
+    """Probability of each cause that it is in the model, and of `none`. A pair counts for each."""
     tests: dict[str, float]
     """The two parts of `p_value`: `lack_of_fit` and `score`."""
     share: float | None
