@@ -1,10 +1,8 @@
 #!/usr/bin/env bash
 # Expected: the filter Delta of a Zarr store gives back the readings that went in; a NaN among them is one NaN.
 # What happens: differences are stored and added up on reading. One NaN makes each later reading of its chunk NaN; one
-#   fill value of 1e20 makes later readings of 20.00 read as 0.00. Integers that do not fit `astype` wrap. No error or
-#   warning at writing or reading.
-# Packages: numcodecs 0.16.6, zarr 3.1.6. Source: Delta's documentation has integers and shows floats too; the loss is
-#   not told there.
+#   fill value of 1e20 makes later readings of 20.00 read as 0.00. Integers that do not fit `astype` wrap. No warning.
+# Packages: numcodecs 0.16.6, zarr 3.1.6. Source: its docstring warns of small integers alone; found by trying.
 # Who is hurt: whoever adds Delta to compress a log with gaps: what is written is lost, the store looks healthy.
 # Instead: no Delta for floats; shuffle with a compressor (Blosc, tried) keeps all bits.
 set -euo pipefail
