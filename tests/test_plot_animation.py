@@ -46,6 +46,20 @@ def test_a_file_has_the_frames_it_says_and_repeats(tmp_path, suffix):
     assert [each.name for each in tmp_path.iterdir()] == [path.name]
 
 
+@pytest.mark.parametrize(("suffix", "step"), [("gif", 10), ("webp", 1)])
+def test_frames_of_a_file_last_as_long_as_they_say_together(tmp_path, suffix, step):
+    path, made = tmp_path / f"a.{suffix}", plot.animation(
+        recorded("opp"), 0.1, 0.14, slowdown=5.0, frames_per_second=60.0)  # fmt: skip
+    made.save(path)
+    with Image.open(path) as picture:
+        lasts = []
+        for k in range(made.frames):
+            picture.seek(k)
+            picture.load()
+            lasts.append(picture.info["duration"])
+    assert abs(sum(lasts) - 1000.0 * made.frames / 60.0) <= step / 2
+
+
 def test_an_interrupt_of_the_first_frame_leaves_nothing(tmp_path):
     def interrupt(part, stage):
         raise KeyboardInterrupt

@@ -229,7 +229,7 @@ def test_single_readings_beyond_what_all_others_span_are_left_out(wild, left_out
     assert [note.code for note in record.own_notes] == left_out * len(wild) * ["wild-reading"]
 
 
-@pytest.mark.parametrize("mark", [-9999.0, 999.0, 99.9, 65535.0, -32768.0, 1e20, 1e38])
+@pytest.mark.parametrize("mark", [-9999.0, 999.0, 99.9, 65535.0, -32768.0, -32767.0, 1e20, 1e38])
 def test_what_meters_write_for_no_value_is_a_gap_and_no_input(mark):
     t, rows = np.arange(60.0), [3, 4, 5, 30, 59]
     wave = np.sin(0.3 * t)

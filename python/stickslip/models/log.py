@@ -197,6 +197,8 @@ class _Log(Recipe):
             more = f'; with reads="{other}" (--set reads={other}) the model reads that'
         if name in self.wanted.inputs and not self.wanted.needed:
             more = "; where nothing acted, write a column of zeros"
+        if name in self.wanted.assumed:
+            more = f"; or state its value, as by --set {name}=VALUE"
         raise ScenarioError(
             f'column "{name}" is missing; there are {have}: call one "{name} ({unit})"; '
             f"allowed are {self.wanted}, or the same in other units{more}"

@@ -251,6 +251,8 @@ class Model(OneLine):
     def columns(self) -> Columns:
         """Columns of a log that it takes, for `read_log`."""
         inputs = {name: tuple(unit.split(" or ")) for name, unit in self.kind.inputs.items()}
+        if "supply" in inputs and self.known.get("supply") != 1.0:
+            inputs["duty"] = ("-",)  # one in V would be multiplied by the supply
         # Of these a constant may be stated in place of a column.
         assumed = {name: term.absent for name, term in self.kind.every.items()
                    if name in inputs and name not in self.known}  # fmt: skip

@@ -397,7 +397,10 @@ class _ImageWriter(PillowWriter):
             frame.convert("RGB").quantize(palette=palette, dither=plain) for frame in self._frames
         )
         webp: Any = {"lossless": True, "method": 6}  # half the bytes of the default
-        duration = round(1000.0 / self.fps)  # ms
+        # GIF has whole hundredths of a second, WebP whole ms: together they are right.
+        step = 10 if str(self.outfile).lower().endswith(".gif") else 1
+        ends = np.round(np.arange(len(self._frames) + 1) * (1000.0 / self.fps / step))
+        duration = (step * np.diff(ends)).astype(int).tolist()  # ms, of each frame
         first.save(
             self.outfile, save_all=True, append_images=rest, duration=duration, loop=0, **webp
         )

@@ -27,7 +27,8 @@ reading, nor the second at all; what meters write for none does."""
 _ENDS = {
     end
     for bits in (16, 32)
-    for end in (-(2.0 ** (bits - 1)), 2.0 ** (bits - 1) - 1.0, 2.0**bits - 1.0)
+    for half in (2.0 ** (bits - 1),)
+    for end in (-half, 1.0 - half, half - 1.0, 2.0 * half - 1.0)
 }
 _ENORMOUS, _MARK_SPANS = 1e20, 20.0
 """Marks of meters for no value besides nines: ends of whole numbers, and larger than any size, as
