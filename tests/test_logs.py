@@ -360,13 +360,13 @@ def test_a_log_of_a_servo_is_in_the_units_of_its_bus(tmp_path):
     log = models.read_log(tmp_path / "b.csv", models.servo(supply=12.0, **known))
     assert log["duty"] == pytest.approx(0.5 * np.sin(T))
     assert not [note for note in log.notes if note.code == "no-input"]
-    with pytest.raises(ScenarioError, match='column "supply" is missing.*by --set supply=VALUE'):
+    with pytest.raises(ScenarioError, match=r'column "supply" is missing.*by --set supply=VALUE'):
         models.read_log(tmp_path / "b.csv", models.servo(**known))
     # One in V would be multiplied by another supply than 1.
     write(tmp_path / "v.csv", {"t": T, "duty (V)": 6.0 + 0.0 * T, "position (deg)": 10.0 * T})
     log = models.read_log(tmp_path / "v.csv", models.servo(supply=1.0, **known))
     assert log["duty"] == pytest.approx(6.0)
-    with pytest.raises(ScenarioError, match='column "duty .V.".*allowed is no unit, or %'):
+    with pytest.raises(ScenarioError, match=r'column "duty .V.".*allowed is no unit, or %'):
         models.read_log(tmp_path / "v.csv", models.servo(supply=12.0, **known))
     write(tmp_path / "c.csv", {"t": T, "position (deg)": 10.0 * T})
     with pytest.raises(ScenarioError, match='column "goal" is missing'):
