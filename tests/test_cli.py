@@ -19,6 +19,8 @@ from refusals.cli import REFUSALS, contents, lay_out
 from stickslip import Scenario, _core, effects, load, simulate
 from stickslip.simulation.quantities import NUMBERS
 
+TEXT = "stickslip = 1\n[drive]\nbase = 0.5e-3\npulses = 12\n"  # see `scenario` of conftest
+
 
 def printed(*arguments, **how):
     """The JSON object that a command prints."""
