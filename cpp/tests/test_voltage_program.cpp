@@ -85,8 +85,9 @@ TEST_CASE("voltage program: what cannot be played is refused, with its point") {
     CHECK_THROWS_WITH_AS(VoltageProgram(std::vector<VoltageBlock>{}),
                          "the voltage program is empty", std::invalid_argument);
     CHECK_THROWS_WITH_AS(build({{point(0.0, 0.0)}, 1}),
-                         "voltages: 1 points; allowed are two or more", std::invalid_argument);
-    CHECK_THROWS_WITH_AS(build({good.points, 0}), "repeats = 0: allowed is 1 or more",
+                         "block 2: voltages: 1 points; allowed are two or more",
+                         std::invalid_argument);
+    CHECK_THROWS_WITH_AS(build({good.points, 0}), "block 2: repeats = 0: allowed is 1 or more",
                          std::invalid_argument);
     CHECK_THROWS_AS(build({{point(0.1, 0.0), point(1.0, 0.0)}, 1}), std::invalid_argument);
     CHECK_THROWS_AS(build({{point(0.0, 0.0), point(1.0, 0.0), point(0.9, 0.0)}, 1}),
@@ -94,7 +95,7 @@ TEST_CASE("voltage program: what cannot be played is refused, with its point") {
     CHECK_THROWS_AS(build({{point(0.0, 0.0), point(infinite, 0.0)}, 1}), std::invalid_argument);
     CHECK_THROWS_AS(build({{point(0.0, 0.0), point(1.0, nan)}, 1}), std::invalid_argument);
     CHECK_THROWS_WITH_AS(build({{point(0.0, 0.0), point(0.0, 1.0)}, 1}),
-                         "point 2: t = 0: no duration; allowed is above 0 s",
+                         "block 2: point 2: t = 0: no duration; allowed is above 0 s",
                          std::invalid_argument);
     CHECK_NOTHROW(build(good));
 }
