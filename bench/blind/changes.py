@@ -211,13 +211,14 @@ def _bic(found: Diagnosis) -> list[str]:
 def answer(row: Row, whose: str = "causes") -> Answer:
     """What is said beside what is hidden; what both sides have is no difference.
 
-    Without one any verdict but `none`, and what both sides have, says a change.
+    Without one any verdict but `none`, and what both sides have, says a change; so does what is
+    unexplained, but with other inputs, where it is told as what both sides may have.
     """
     said = [name for name in row[whose] if "[" in name]
     verdict = row["verdict"] if whose == "causes" else "named" if said else "none"
     if verdict in (*CLAIMS, "ambiguous") and not said:
         verdict = "none"
-    if not row["change"] and verdict == "unexplained":
+    if not row["change"] and verdict == "unexplained" and row["alike"]:
         verdict, said = "ambiguous", ["?"]
     return Answer(verdict, said, [row["change"]] if row["change"] else [])
 

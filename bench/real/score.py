@@ -6,10 +6,11 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import process_time
+from typing import Any
 
 import numpy as np
 from causes.tools import TOOLS, Asked, ours
-from scores import CLAIMS, FEW
+from scores import CLAIMS, FEW, markdown, share
 
 from stickslip import Cause, Diagnosis, diagnose, read_measurement
 from stickslip.diagnosis.fitting.problem import Problem
@@ -215,3 +216,27 @@ def _gain(result: Diagnosis, factor: float, unit: str) -> str:
         for part in (result.gain.mae_before, result.gain.mae_after)
     )
     return f"{before:.3g} → {after:.3g} {unit}"
+
+
+_WORDS = {
+    "right": ("right",), "set of 3": ("set with the truth",),
+    "possible": ("possible", "not contradicted"), "silent": ("silent", "large set"),
+    "wrong": ("wrong", "set without the truth"),
+}  # fmt: skip
+
+
+def by_tool(rows: Iterable[Mapping[str, Any]]) -> str:
+    """Of each tool how often it is right, silent or wrong, in Markdown; rows are those of `Row`."""
+    said: dict[tuple[str, str], list[str]] = {}
+    for row in rows:
+        if row.get("others"):
+            others = [each.rstrip(")").partition(": ") for each in row["others"].split("; ")]
+            judged = {"stickslip": row["judgement"],
+                      **{name: text.rpartition("(")[2] for name, _, text in others}}  # fmt: skip
+            for tool, word in judged.items():
+                said.setdefault((row["listed"], tool), []).append(word)
+    counts = {key: [sum(word.startswith(of) for word in words) for of in _WORDS.values()]
+              for key, words in said.items()}  # fmt: skip
+    lines = [(listed, tool, sum(found), *(share(each, sum(found)) for each in found))
+             for (listed, tool), found in sorted(counts.items(), reverse=True)]  # fmt: skip
+    return markdown(";".join(("cause listed", "by", "sets", *_WORDS)), lines)

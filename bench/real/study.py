@@ -1,9 +1,9 @@
 """``python -m bench real [SET ...]``: measured sets with a known cause, diagnosed and judged.
 
 Each set is diagnosed twice: with the cause that acts among those that are listed, and without it.
-Rows are written as they come, into a file that keeps those of other sets. `walkers` are rollers,
-tumbler, drops and the walk of the README, whose rows go into a file of their own. The status is 1
-where a wrong cause is claimed.
+Rows are written as they come, into a file that keeps those of other sets; the counts at the end are
+of all of them. `walkers` are rollers, tumbler, drops and the walk of the README, whose rows go into
+a file of their own. The status is 1 where a wrong cause is claimed.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from typing import Any
 from measure import add_out, saved
 from stale import digest
 
-from .score import Measured, Row, row
+from .score import Measured, Row, by_tool, row
 
 MACHINES = {path.parent.name: path
             for path in sorted(Path(__file__).parent.glob("machines/*/machine.py"))}  # fmt: skip
@@ -78,7 +78,7 @@ def main(arguments: list[str] | None = None) -> int:
     except (OSError, ValueError) as error:
         print(error, file=sys.stderr)
         return 2
-    print(f"written: {options.out}")
+    print("", by_tool(found.values()), f"written: {options.out}", sep="\n")
     return int(wrong)
 
 

@@ -10,6 +10,7 @@ from typing import Any
 import click
 from blind import changes, intervals, own, scoring, study
 from docutils import nodes
+from real.score import by_tool
 from report_keys import reference
 from scores import CLAIMS
 from sphinx.application import Sphinx
@@ -323,7 +324,8 @@ def _beside(results: dict[str, Any]) -> str:
     asked = [row for row in results["rows"].values() if "others" in row]
     rows = [[row["set"], row["listed"], row["judgement"], *map(_few, row["others"].split("; "))]
             for row in asked]  # fmt: skip
-    return _markdown_table(["set", "cause listed", "stickslip", "best BIC", "stepwise F"], rows)
+    whole = _markdown_table(["set", "cause listed", "stickslip", "best BIC", "stepwise F"], rows)
+    return f"{by_tool(asked)}\n\n{whole}"
 
 
 def _few(said: str) -> str:
