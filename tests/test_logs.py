@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 
 from command_line import COMMAND, stickslip
 from report_page import without_pictures
@@ -375,6 +376,27 @@ def test_a_log_of_a_servo_is_in_the_units_of_its_bus(tmp_path):
         models.read_log({"t": T, "position (ticks)": T, "duty": T}, models.servo(supply=1, **known))
     with pytest.raises(ScenarioError, match="supply is missing: allowed is a constant or an input"):
         models.servo(**known).simulate(T, {"duty": T})
+
+
+OTHER_UNITS = {
+    "joint": ("torque", "N", "N m", ("inertia",)),
+    "axis": ("command", "A", "V or N or -", ("mass", "gain")),
+    "pendulum": ("pivot", "m/s", "m/s^2", ("length",)),
+    "oscillator": ("force", "kg", "N", ("mass", "stiffness")),
+    "thermal": ("power", "N", "W", ("capacity", "loss", "ambient")),
+    "servo": ("duty", "V", "-", ("inertia", "torque_constant", "resistance", "supply")),
+}
+
+
+@pytest.mark.parametrize("name", OTHER_UNITS)
+def test_an_input_that_carries_a_unit_of_another_quantity_is_refused(name):
+    key, unit, allowed, constants = OTHER_UNITS[name]
+    model = getattr(models, name)(**dict.fromkeys(constants, 2.0))
+    carried = xr.DataArray(T, dims="t", attrs={"units": unit})
+    message = f'input {key}: unit = "{unit}": allowed is {allowed}'
+    with pytest.raises(ScenarioError, match=re.escape(message)):
+        model.terms(Series(T, T, {key: carried}, unit=model.unit))
+    model.terms(Series(T, T, {key: T}, unit=model.unit))
 
 
 HIDDEN = {

@@ -250,14 +250,19 @@ class Model(OneLine):
     @property
     def columns(self) -> Columns:
         """Columns of a log that it takes, for `read_log`."""
-        inputs = {name: tuple(unit.split(" or ")) for name, unit in self.kind.inputs.items()}
-        if "supply" in inputs and self.known.get("supply") != 1.0:
-            inputs["duty"] = ("-",)  # one in V would be multiplied by the supply
         # Of these a constant may be stated in place of a column.
         assumed = {name: term.absent for name, term in self.kind.every.items()
-                   if name in inputs and name not in self.known}  # fmt: skip
-        return Columns(self.reads, self.unit, inputs, assumed=assumed, drives=self.kind.drives,
-                       also=self.kind.also)  # fmt: skip
+                   if name in self.kind.inputs and name not in self.known}  # fmt: skip
+        return Columns(self.reads, self.unit, self._input_units, assumed=assumed,
+                       drives=self.kind.drives, also=self.kind.also)  # fmt: skip
+
+    @property
+    def _input_units(self) -> dict[str, tuple[str, ...]]:
+        """Units in which each input may be."""
+        units = {name: tuple(unit.split(" or ")) for name, unit in self.kind.inputs.items()}
+        if "supply" in units and self.known.get("supply") != 1.0:
+            units["duty"] = ("-",)  # one in V would be multiplied by the supply
+        return units
 
     def simulate(
         self, t: ArrayLike, inputs: Mapping[str, ArrayLike] | None = None, **values: float
@@ -398,6 +403,9 @@ class Model(OneLine):
                 raise ScenarioError(
                     f"{record.at}input {name}: a {self.kind.name} has {allowed}{meant(name, known)}"
                 )
+            units, carried = self._input_units[name], record.input_units.get(name)
+            if carried and not any(same_unit(carried, each) for each in units):
+                refuse(f"{record.at}input {name}: unit", carried, " or ".join(units))
         for name in known.keys() - record.inputs.keys() - self.known.keys():
             if name in self.kind.every and self.kind.every[name].absent is None:
                 allowed = f"a constant or an input, {known[name]}"

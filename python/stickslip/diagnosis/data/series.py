@@ -101,6 +101,8 @@ class Series(Table):
         In `predict` those that a cause acts on have the shape (vectors, n). They are values at the
         readings alone: a late input is a line between its values, which on even steps is the mean
         of a held one up to the next reading.
+    input_units : dict of str
+        SI units of inputs whose arrays carry one.
 
     Raises
     ------
@@ -137,6 +139,7 @@ class Series(Table):
         units = {key: _unit_of_input(values, unit) for key, values in given.items()}
         acting = {key: row(f"{self.at}inputs {key}", values, count, unit=units[key])
                   for key, values in given.items()}  # fmt: skip
+        self.input_units = {key: each for key, each in units.items() if each is not None}
         notes += conversions(
             self.at,
             {"t": (t, "s"), "y": (y, unit), "sd": (sd, unit)}
