@@ -227,8 +227,10 @@ def measured_words():
     ]
     logs = {
         name: list(lines(OWN.with_name(f"{name}.jsonl")))
-        for name in ("units", "twins", "late", "clean")
+        for name in ("units", "twins", "late", "clean", "servo")
     }
+    servos = [[own.answer(row).outcome for row in logs["servo"] if bool(row["cause"]) == hidden]
+              for hidden in (True, False)]  # fmt: skip
     wrong = [row for row in logs["units"] if row["wrong"]]
     bare = sum(row["verdict"] in CLAIMS and not row["told"] for row in wrong)
     told = [twins.answer(row).outcome for row in logs["twins"]]
@@ -238,6 +240,11 @@ def measured_words():
     counts_of_logs = [
         f"Of {len(logs['clean'])} more with nothing hidden it claims a cause in"
         f" {claims_of(logs['clean'])} (commit `{logs['clean'][0]['state']['commit']}`)",
+        f"Of {len(servos[0])} servos with a hidden cause {servos[0].count('right name')} get its"
+        f" name and {servos[0].count('right set')} a set of at most three, and"
+        f" {servos[0].count('wrong name') or 'none'} another; of {len(servos[1])} without one"
+        f" {claims_of(row for row in logs['servo'] if not row['cause'])} is claimed (commit"
+        f" `{logs['servo'][0]['state']['commit']}`)",
         f"Of {len(wrong)} logs in a unit that nobody stated,"
         f" {sum(row['right'] for row in wrong)} are told with the right factor and"
         f" {bare or 'none'} is named without it.",
