@@ -35,7 +35,7 @@ public:
     bool ends_step() const { return given_until_ == time(); }
 
     double time() const { return memory_.origin + steps_since() * memory_.duration; }  ///< s
-    /// What goes on from step to step.
+    /// State carried from step to step.
     struct Memory {
         double origin = 0.0;    ///< s, from where on all steps had one duration
         double duration = 0.0;  ///< s
