@@ -92,7 +92,7 @@ struct CosineAndSine {
     Real cosine, sine;
 };
 
-/// Of an angle anywhere. Apart, so that a small one pays one test.
+/// Cosine and sine of any angle. A function of its own, so that a small angle costs one test.
 template <class Real>
 [[gnu::noinline, gnu::cold]] CosineAndSine<Real> far_cosine_and_sine(Real a) {
     return {sine(a + 1.5707963267948966), sine(a)};

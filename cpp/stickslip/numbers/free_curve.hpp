@@ -25,8 +25,8 @@ struct FreeShape {
     std::array<double, kKnots> knots = {};  ///< f there
 };
 
-/// What a curve is evaluated from: by how much its first knot lies below zero and the number of its
-/// last, both in spacings, then its values at six knots and its slopes there, a spacing.
+/// Sizes of the array that a curve is evaluated from: how far its first knot lies below zero and
+/// the number of its last, in spacings; then its values at six knots and its slopes, per spacing.
 inline constexpr std::size_t kCurveValues = kKnots + 1, kCurveNumbers = 2 + 2 * kCurveValues;
 
 /// The curve with these numbers, at an argument in spacings.

@@ -7,7 +7,7 @@
 /// Roots and least values of functions of one number.
 namespace stickslip {
 
-/// Of a root, relative to a range of size one: of a step, whose dense output is far less accurate.
+/// Resolution of a root in a range of size one: a step, whose dense output is far less accurate.
 inline constexpr double kRootResolution = 1e-12;
 
 /// Two places with the values there, in which a function falls through zero.

@@ -73,7 +73,7 @@ struct EventSamples {
                !may_dip(i);
     }
 
-    /// Of function i alone.
+    /// Samples of function i alone.
     EventSamples<1, Real> only(std::size_t i) const {
         return {{start[i]}, {end[i]}, {early[i]}, {late[i]}, {lowest[i]}};
     }

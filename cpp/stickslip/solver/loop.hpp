@@ -83,8 +83,8 @@ public:
         memory.begin(progress.samples.start, phase.event_rounding());
     }
 
-    /// What an attempt comes to: an accepted step, still to be committed; a rejected one; the end
-    /// of the phase or of the segment.
+    /// Outcome of an attempt: an accepted step, still to be committed; a rejected one; the end of
+    /// the phase or of the segment.
     enum class Finish { accepted, rejected, phase };
     /// Accepts an attempt or not and looks for events, if it `may_fire` one. place: where it ends.
     template <class Phase, class Observer>

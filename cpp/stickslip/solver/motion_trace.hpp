@@ -28,7 +28,7 @@ private:
     Real c0_, c1_, c2_, c3_;
 };
 
-/// What the summary wants of the motion in a phase: numbers alone, as in Tsit5Progress.
+/// Extremes of the motion in a phase, for the summary: numbers alone, as in Tsit5Progress.
 template <class Real>
 struct MotionTrace {
     Real lowest, highest;  ///< rad, angles within the quadrant

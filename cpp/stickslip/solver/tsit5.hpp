@@ -204,7 +204,7 @@ struct Tsit5Progress {
     Real max_step;           ///< s, infinite for no limit
     Real min_time_constant;  ///< s
     Real half_reach;         ///< m
-    // What goes on from step to step.
+    // State carried from step to step.
     Real tau;       ///< s
     Real look;      ///< s, from when on a step has to be looked at
     Real accepted;  ///< steps
@@ -260,7 +260,7 @@ struct Tsit5Progress {
         blend<Real>(done, samples.start, samples.end);
     }
 
-    // Of one run.
+    // For one run, not a pack.
 
     bool is_accepted() const { return error <= 1.0; }
     Status reject(StepCounts& counts) {
