@@ -40,14 +40,14 @@ struct PlainDynamics {
     Real inertia, per_inertia;                  ///< kg m^2, 1/(kg m^2)
     Real per_corner_inertia;                    ///< 1/(kg m^2), of J + m r^2
     Real weight_x, weight_z;                    ///< N
-    Real pull;                                  ///< -, what multiplies the magnetic force
+    Real pull;                                  ///< -, factor on the magnetic force
     Real drag;                                  ///< N s/m, Eq. (18)
     Real turning_drag, turning_drag_quadratic;  ///< N m s, N m s^2, Eq. (19)
     Real adhesion;                              ///< N
     Real static_friction, kinetic_friction;
     Real radius, half_base, half_rise;  ///< m
     Real middle_lever, middle_height;   ///< m, of the pose in the middle of the quadrant
-    // Of the magnetic moment along the body's axes, A m^2.
+    // Components of the magnetic moment along the body's axes, A m^2.
     Real moment_cosine = 0.0, moment_sine = 0.0;
 
     [[gnu::always_inline]] constexpr auto members() {
@@ -57,8 +57,8 @@ struct PlainDynamics {
                         middle_lever, middle_height, moment_cosine, moment_sine);
     }
 
-    /// By that in the middle of the quadrant, turned on. Its ends are exact with the cosine rounded
-    /// so.
+    /// Pose at an angle (rad), by a rotation from the middle of the quadrant. With the cosine
+    /// rounded so, it is exact at the ends.
     [[gnu::always_inline]] PoseOf<Real> pose(Real angle) const {
         constexpr double kEighthTurn = 0.5 * kQuarterTurn, kCosineEighth = 0.7071067811865475;
         const CosineAndSine<Real> on = cosine_and_sine(angle - kEighthTurn);
@@ -108,8 +108,7 @@ struct PlainDynamics {
     }
 };
 
-/// What is known of the robot between two events: the model, the field about the robot, the
-/// quadrant.
+/// Dynamics of the robot between two events: the model, the field about the robot, the quadrant.
 class Dynamics {
 public:
     using Real = double;
@@ -257,13 +256,13 @@ private:
                                   double omega, const Load& load) const;
     Load extended_load(const PlanarField& field, double tau, double x, double z, const Pose& pose,
                        double vx, double vz, double omega, double across) const;
-    // What a user's effects add; throws WrenchNotFinite.
+    // Adds force and torque of a user's effects to `load`; throws WrenchNotFinite.
     void add_user_effects(double tau, const PlanarField& field, double x, double z,
                           const Pose& pose, double vx, double vz, double omega, Load& load) const;
 
     const Model* model_;
     LocalField field_;
-    // N, on the inner mass along its line, and the way of that.
+    // Force on the inner mass along its line, N, and the unit vector of the line.
     struct InnerPull {
         double force, x, z;
     };

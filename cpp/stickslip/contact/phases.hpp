@@ -34,7 +34,7 @@
 /// of one robot.
 namespace stickslip {
 
-/// What all phases share.
+/// Base of all phases.
 template <class F>
 class PhaseBase {
 public:
@@ -84,7 +84,7 @@ protected:
     Frame frame_;
 };
 
-/// What the two phases of a corner on the surface share.
+/// Base of the two phases of a corner on the surface.
 template <class Frame>
 class CornerBase : public PhaseBase<Frame> {
 protected:
@@ -415,7 +415,7 @@ private:
     }
 };
 
-/// Of a robot that stays in its plane, or of a pack of such robots.
+/// Phases of a robot that stays in its plane, or of a pack of such robots.
 template <class D>
 using CornerStickPhaseOf = CornerStickIn<FixedFrame<D>>;
 template <class D>
