@@ -158,7 +158,7 @@ private:
     SampleHold hold_;
     double latency_;
     std::vector<double> marks_;
-    VoltageSegment rest_;  // what a cut left over
+    VoltageSegment rest_;  // remainder of a segment that was cut
     bool has_rest_;
 };
 

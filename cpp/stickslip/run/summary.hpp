@@ -12,8 +12,8 @@
 
 namespace stickslip {
 
-/// What a run comes to, in the world's frame. Units and meanings are in `kSummaryNumbers`; what was
-/// not measured is no number.
+/// Summary of a run, in the world's frame. Units and meanings are in `kSummaryNumbers`; a number
+/// that was not measured is NaN.
 struct Summary {
     static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 

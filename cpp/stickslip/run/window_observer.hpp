@@ -13,8 +13,8 @@
 
 namespace stickslip {
 
-/// What a run comes to: gathers the summary from the motion of a Player, over the measuring window
-/// and over the whole run.
+/// Gathers the summary of a run from the motion of a Player, over the measuring window and over the
+/// whole run.
 class WindowObserver {
 public:
     using BodyAt = FunctionRef<BodyState(double tau)>;
