@@ -221,7 +221,7 @@ def build(*targets: str) -> str:
 
 
 def failure(*arguments: object) -> str:
-    """What CMake says where it fails."""
+    """Run CMake; its output if it fails, else nothing."""
     command = ["cmake", *map(str, arguments)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     return f"{' '.join(command)}\n{done.stdout}{done.stderr}" if done.returncode else ""

@@ -1,4 +1,4 @@
-"""What the core makes of the first free frames of a drop, and constants of its law of impact."""
+"""Motion that the core predicts from a drop's first free frames, and its constants of impact."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _STILL = Drive(mode="program", program=Waveform.hold(1.0, {}))
 
 @dataclass(frozen=True)
 class ImpactConstants:
-    """What is fitted to the motion after the first contact.
+    """Constants that are fitted to the motion after the first contact.
 
     restitution, friction, tangential_restitution: See `stickslip.Contact`; static and kinetic
     friction are the same. side: Of the square that the core simulates, m: its corners lie where
@@ -70,7 +70,7 @@ class Model:
 
     @property
     def offset(self) -> float:
-        """What the reading has beyond the angle of the simulated square, rad."""
+        """Reading of theta less the angle of the simulated square, rad."""
         return self.geometry.angle_offset - self.impact.lean
 
     def scenario(self) -> Scenario:
