@@ -158,7 +158,7 @@ class Record:
 
     @property
     def adhesion(self):
-        """Of what touches, N; its age is that since the last touch-down."""
+        """Adhesion of the contact, N; its age is the time since the last touch-down."""
         lands = np.append(False, self.flying[:-1]) & ~self.flying
         begun = np.where(lands, self.t, -self.scenario.initial.contact_age)
         age = self.t - np.maximum.accumulate(begun)

@@ -27,7 +27,7 @@ def formula_fields(points):
 
 
 def by(*offset):
-    """What moves the corners of a coil by an offset, m."""
+    """Function that moves the corners of a coil by an offset, m."""
     return lambda corners: corners + np.array(offset)
 
 

@@ -199,7 +199,7 @@ def wild_program(draw):
 
 
 def wild_plane(draw, keys):
-    """What takes the robot out of one plane."""
+    """Keys that take the robot out of one plane."""
     heading = "initial.heading" if "drive.program" in keys else "drive.heading"
     return {
         heading: draw.uniform(-math.pi, math.pi),

@@ -56,7 +56,7 @@ def another_user(folder):
 
 
 def done_in(folder, where):
-    """What the commands print and write in some surroundings."""
+    """Output and files of the commands in some surroundings."""
     around, inside = folder / "around", folder / "inside"
     for each in (around, inside):
         each.mkdir()

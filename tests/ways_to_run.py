@@ -84,7 +84,7 @@ def packs(table: Table, width: int) -> Iterator[str]:
 
 
 def print_packed(choice: str) -> None:
-    """What is said of a batch of the cases, as JSON: what the process of `packs` does."""
+    """Print the runs of a batch of the cases as JSON, for the process of `packs`."""
     chosen = to_the_bit(choice)
     runs = simulate_batch([case.scenario for case in chosen], threads=1)
     print(json.dumps({str(case): said(run) for case, run in zip(chosen, runs, strict=True)}))
@@ -114,7 +114,7 @@ def recorded(table: Table) -> Iterator[str]:
 
 
 def _misread(run: Run, scale: float) -> str:
-    """What the last samples and the window of a record have to do with state and velocity."""
+    """Difference of a record's last samples and window from final state and mean velocity."""
     start, end = run.scenario.to_core().window
     first, last = (int(np.argmin(np.abs(run.t - at))) for at in (start, end))
     velocity = (run.x[last] - run.x[first]) / (run.t[last] - run.t[first])

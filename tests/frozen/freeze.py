@@ -52,7 +52,7 @@ NUDGES = (1.0 + 2.0**-51, 1.0 - 2.0**-50)
 
 
 class Frozen(NamedTuple):
-    """What is kept of a run: how it ended, its numbers by field, and its answer to rounding."""
+    """Record of a frozen run: its status, its numbers by field, and its sensitivity to rounding."""
 
     status: str
     numbers: Mapping[str, float]
@@ -60,7 +60,7 @@ class Frozen(NamedTuple):
 
 
 def of_run(run: Run) -> Frozen:
-    """What is kept of a run, without its answer to rounding."""
+    """Record of a run, without its sensitivity to rounding."""
     summary = run.summary()
     events = {**summary["events"], "painleve": summary["painleve_events"]}
     values = (
@@ -112,7 +112,7 @@ def differences(found: Frozen, expected: Frozen) -> dict[str, float]:
 def changes(
     found: Mapping[str, Frozen], expected: Mapping[str, Frozen], to_the_bit: bool
 ) -> Iterator[str]:
-    """What changed, a line each, of the runs in `found`."""
+    """Changes of the runs in `found`, a line each."""
     for name, run in found.items():
         other = expected.get(name)
         if other is None:
@@ -139,7 +139,7 @@ def changes(
 
 
 def machine() -> dict[str, str]:
-    """What bits depend on: processor, mathematics library (how it rounds), compiler, steps."""
+    """Facts on which bits depend: processor, rounding of the mathematics, compiler, steps."""
     values = [
         function(0.37 * k)
         for k in range(1, 500)

@@ -99,7 +99,7 @@ def _effects(draw: Draw, count: int) -> Keys:
 
 
 def _across(draw: Draw) -> Keys:
-    """What takes a drive into the whole plane, and leaves a field that holds the heading."""
+    """Keys that take a drive into the whole plane, and leave a field that holds the heading."""
     kind = draw.word("heading", "ambient", "tilt")
     keys: Keys = {"drive.base": 0.4e-3}
     if kind == "heading":
