@@ -22,7 +22,7 @@ struct Named {
     double Terms::*value;
 };
 
-/// Inputs now, and their slopes, 1/s.
+/// Inputs now, and their slopes, per s.
 template <std::size_t N>
 struct Lines {
     std::array<double, N> value = {}, slope = {};
@@ -87,7 +87,7 @@ public:
     /// Whether the motion was followed as far as it was asked for.
     bool is_followed() const { return left_ >= 0.0; }
 
-    /// After lines of the inputs for `gap` s.
+    /// State and mode after `gap` s, over which the inputs change linearly.
     Point advanced(Point from, Inputs u, double gap) {
         Point now = system_.driven(from.first, u.value, from.second);
         const double turns = system_.linear ? 0.0 : gap * system_.fastest;

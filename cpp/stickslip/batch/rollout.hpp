@@ -24,7 +24,7 @@ struct ControlRows {
     bool linear = false;
 };
 
-/// Where states go: the values of some columns of `kStateColumns`.
+/// Destination of states: the values of some columns of `kStateColumns`.
 struct StateOutput {
     double* values = nullptr;  ///< runs x steps x columns
     std::vector<std::size_t> columns;

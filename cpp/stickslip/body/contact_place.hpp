@@ -67,7 +67,7 @@ public:
 private:
     static constexpr std::size_t kMiddle = kKnots / 2;  // the knot at theta = 0
 
-    /// Integral of f cos from zero, and the integral of that.
+    /// Integral of f cos from zero, once and twice.
     struct Sum {
         double once = 0.0, twice = 0.0;
     };

@@ -276,7 +276,7 @@ template <class Real>
         apply_law(table.kinds[i], numbers + table.place[i], now, at, values);
     }
 }
-/// The same. Cold, so that the compiler puts the way there aside and spares it no registers.
+/// The same. Cold, so that the compiler moves the call aside and spares it no registers.
 template <class Real>
 [[gnu::noinline, gnu::cold]] void go_apply_any(const LawTable& table, const Real* numbers,
                                                std::size_t first, std::size_t last,

@@ -51,7 +51,7 @@ struct ReactionOf {
 };
 using Reaction = ReactionOf<double>;
 
-/// Everything at an instant that a recording may want.
+/// State, reaction and contact at an instant, for a recording.
 struct Sample {
     BodyState body;
     Reaction reaction;
@@ -102,7 +102,7 @@ inline std::array<double, 2> centre_acceleration(const Pose& pose, double slip, 
             alpha * pose.lever_arm - ww * (pose.height - pose.curvature_radius)};
 }
 
-/// Inertia about the point that touches, kg m^2.
+/// Moment of inertia about the contact point, kg m^2.
 inline double pivot_inertia(double inertia, double mass, const Pose& pose) {
     return inertia + mass * (pose.lever_arm * pose.lever_arm + pose.height * pose.height);
 }

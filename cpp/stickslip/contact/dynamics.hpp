@@ -133,7 +133,7 @@ public:
     SurfaceMotion surface_at(double tau) const {
         return model_->shake.at(now_.start + tau, now_.start + inside_);
     }
-    /// A place (m) on or above the surface as the coils see it, which rest in the ground's frame.
+    /// Place (m) on or above the surface in the frame of the ground, in which the coils rest.
     PlaceOf<double, 2> in_ground(double tau, const PlaceOf<double, 2>& place) const {
         if (!is_shaken_) return place;
         const SurfaceMotion surface = surface_at(tau);
@@ -141,9 +141,9 @@ public:
     }
     int quadrant() const { return quadrant_; }
 
-    /// Where the inner mass is, if there is one, until it is told again.
+    /// Sets the state of the inner mass, if there is one.
     void set_inner(const InnerState& inner) { inner_ = inner; }
-    /// N, by which the inner mass presses on the stop that it rests on, of the last `move_with`.
+    /// Force of the inner mass on the stop that it rests on, N, from the last `move_with`.
     double push() const { return push_; }
     /// Calls `move`, which computes a motion of the body by its loads and returns the acceleration
     /// of its centre of mass against the surface, until the push on the stop keeps an inner mass
@@ -169,8 +169,8 @@ public:
             push_ += step;
         }
     }
-    /// m/s^2, of the inner mass in the body, whose centre of mass has this acceleration against the
-    /// surface.
+    /// Acceleration of the inner mass relative to the body, whose centre of mass has the
+    /// acceleration (ax, az) relative to the surface, m/s^2.
     double inner_acceleration(double tau, const Pose& pose, double ax, double az) const;
 
     void set_quadrant(int quadrant);
@@ -207,7 +207,7 @@ public:
                         double tau) const {
         return directional(static_coefficient(x, pose, normal, tau), slip_sign);
     }
-    /// The same in two parts, of which the first is for both ways.
+    /// The same in two parts, of which the first holds for both directions.
     double static_coefficient(double x, const Pose& pose, double normal, double tau) const {
         if (has_no_law_) return robot_.static_friction;
         return lawful_static(x, pose, normal, tau);
@@ -215,7 +215,7 @@ public:
     double directional(double coefficient, double slip_sign) const {
         return has_no_law_ ? coefficient : laws().directional(coefficient, slip_sign);
     }
-    /// The same of one that slips at `slip_velocity` (m/s).
+    /// Kinetic friction coefficient of a corner that slips at `slip_velocity` (m/s).
     double kinetic(double slip_sign, double slip_velocity, double x, const Pose& pose,
                    double normal, double tau) const {
         if (has_no_law_) return robot_.kinetic_friction;

@@ -47,7 +47,7 @@ public:
 
     double weak_field() const { return weak_field_; }  ///< T
 
-    /// As a run begins. A robot that is held from its first instant has turned before.
+    /// Begins a run. A robot that is held from its first instant has turned before.
     void begin(const Facing& now) {
         if (now.horizontal > weak_field_)
             state_ = {.heading = now.heading, .is_weak = false, .was_settled = true};
@@ -58,8 +58,8 @@ public:
         const double over = horizontal * horizontal - weak_field_ * weak_field_;
         return state_.is_weak ? -over : over;
     }
-    /// Where the event is, `time` s. A field that comes back more than two degrees from where it
-    /// was leaves the heading unknown.
+    /// Passes an event at `time` s. A field that comes back more than two degrees from where it was
+    /// leaves the heading unknown.
     Status pass(const Facing& now, double time);
     /// Follows a strong field over a part of a segment that began at `start` s, from where it was
     /// last seen; `facing(tau)` is had at any time of it. Says where it turns too fast, if it does.

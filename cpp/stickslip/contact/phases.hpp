@@ -333,7 +333,7 @@ private:
 /// just left has none. The gap is the difference of two heights of the body's size.
 inline constexpr double kFlightRounding = 16.0 * std::numeric_limits<double>::epsilon();
 
-/// Nothing touches: y = (place in the surface, z, angle, velocity in the surface, vz, omega).
+/// Flight: y = (place in the surface, z, angle, velocity in the surface, vz, omega).
 template <class Frame>
 class FlightIn : public PhaseBase<Frame> {
     using Base = PhaseBase<Frame>;

@@ -44,7 +44,7 @@ public:
     static Slip slip(const Vector& v) { return v; }
     static Vector vector(double along, double across) { return {along, across}; }
 
-    /// As the robot was last seen to face.
+    /// Heading in which the robot was last seen.
     const Heading& last_heading() const { return plane_->watch().state().heading; }
     Heading heading_at(double tau, const Place& place, double z) const {
         return seen_at(field_at(tau), place, z).heading;
@@ -95,7 +95,7 @@ public:
     static Place of_face(const Place& middle, const Face&) { return middle; }
     void with_slide(const HybridState& state, auto&& use) const;
 
-    /// Up to the capture speed, and a little more for rounding. A slow slip sticks if static
+    /// Whether a slip is within the capture speed, with rounding. A slow slip sticks if static
     /// friction can hold it. Otherwise its friction keeps the direction that it had when the phase
     /// began, until the slip stops or is twice as fast. (A friction that follows a slow slip is
     /// stiff: its direction changes within v / (mu g), less than 1 us.)

@@ -12,8 +12,8 @@
 /// how they fade, swing and change.
 namespace stickslip {
 
-/// One a mode of the coupled coils (one in all for equal coils that are not coupled), and one of
-/// the field's lag.
+/// One for each mode of the coupled coils (one in all for equal coils that are not coupled), and
+/// one for the field's lag.
 inline constexpr int kMaxExponentials = kCoilCount + 1;
 /// 1, tau, the exponentials, and the second function of each coil with a capacitor.
 inline constexpr int kMaxBasis = 2 + kMaxExponentials + kCoilCount;
@@ -135,7 +135,7 @@ struct CurrentFunctions {
         });
         return result;
     }
-    /// 1/s.
+    /// Fastest rate of all functions, 1/s.
     double fastest() const {
         double result = 0.0;
         for (std::size_t j = 0; j < static_cast<std::size_t>(exponentials); ++j) {

@@ -53,7 +53,7 @@ struct ShakeParameters {
     Liquid liquid = Liquid::moves;
 
     bool absent() const { return amplitude_x == 0.0 && amplitude_z == 0.0 && !accelerations; }
-    /// Hz, of what repeats.
+    /// Repetition rate, Hz.
     double rate() const { return accelerations ? 1.0 / accelerations->period() : frequency; }
 };
 

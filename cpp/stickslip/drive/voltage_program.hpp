@@ -120,7 +120,7 @@ public:
     }
 
     const Memory& memory() const { return memory_; }
-    /// At `time`, s, with nothing asked for.
+    /// Goes on from a memory at `time`, s, with no segment open.
     void restore(const Memory& memory, double time) {
         memory_ = memory;
         asked_.end = time_ = time;

@@ -52,7 +52,7 @@ struct Series<Real, 2> {
     using FarTerms = std::array<Real, 14>;
     using Value = PlanarFieldOf<Real>;
 
-    /// At a displacement from the centre.
+    /// Value of the series at a displacement (m) from the centre.
     [[gnu::always_inline]] static Value at(const Terms& terms, Real dx, Real dz);
     [[gnu::always_inline]] static Value at(const FarTerms& terms, Real dx, Real dz);
     /// The terms about a near centre at a displacement from the far one.
@@ -68,7 +68,7 @@ struct Series<double, 3> {
     using Terms = std::array<double, 24>;
     using FarTerms = Terms;
     using Value = SpatialFieldValue;
-    /// Where derivatives of one order begin.
+    /// Index of the first derivative of each order.
     static constexpr std::size_t kSecond = 3, kThird = 8, kFourth = 15;
 
     static Value at(const Terms& terms, double dx, double dy, double dz);
@@ -83,13 +83,13 @@ struct ExpansionOf {
     PlaceOf<Real, D> centre;
     Real tau;  ///< s, the time it holds for
 
-    /// place: its coordinates.
+    /// Value at a place, by its coordinates, m.
     template <class... Coordinates>
     [[gnu::always_inline]] auto operator()(const Coordinates&... place) const {
         return at(std::make_index_sequence<D>(), place...);
     }
 
-    /// At a displacement from the centre, m.
+    /// Value at a displacement from the centre, m.
     template <class... Coordinates>
     [[gnu::always_inline]] auto beside(const Coordinates&... displacement) const {
         return Series<Real, D>::at(terms, displacement...);
@@ -126,7 +126,7 @@ struct FieldSegment {
     }
 };
 
-/// The same about a far centre, to one order more, from which that about a near one is made.
+/// Field about a far centre, to one order more, from which a FieldSegment about a near one is made.
 template <class Real, int D = 2>
 struct FarField {
     using Terms = typename Series<Real, D>::FarTerms;
@@ -185,14 +185,14 @@ struct FurtherExponential {
     }
 };
 
-/// Where the model of the set-up holds: between two corners.
+/// Box in which the model of the set-up holds, by two corners.
 template <class Real, int D = 2>
 struct WorkspaceOf {
     PlaceOf<Real, D> low, high;
 
     [[gnu::always_inline]] constexpr auto members() { return std::tie(low, high); }
 
-    /// Not a place with a coordinate that is NaN.
+    /// Whether a place is inside; false for a coordinate that is NaN.
     [[gnu::always_inline]] auto holds(const PlaceOf<Real, D>& place) const {
         auto result = (place[0] > low[0]) & (place[0] < high[0]);
         for (std::size_t i = 1; i < D; ++i) {
@@ -247,7 +247,7 @@ public:
 
     const PerCoil& gain() const { return gain_; }
     bool has_coils() const { return gain_ != PerCoil{}; }
-    /// For a coil that gets its first current.
+    /// Sets the gains anew where a coil gets its first current.
     void set_gain(const PerCoil& gain);
 
     /// Moves the near centre to the robot once it is more than kNear of the reach away, and the far
@@ -261,7 +261,7 @@ public:
         further_[j - 1].basis = near.basis;
     }
     const Centre& centre() const { return course_.centre; }
-    /// How far from its centre an expansion holds, m.
+    /// Distance from its centre within which an expansion holds, m.
     double reach() const { return reach_; }
     /// Reach of a near centre, as a part of the reach. At 0.05, frozen runs differed by up to 3e-8
     /// of their velocity; at 0.01 by up to 3e-9. Both take the same time.
@@ -273,7 +273,7 @@ public:
     /// The robot has come so near to a coil's plane, or to the end of the map, that the model of
     /// the set-up ends.
     bool outside() const { return outside_; }
-    /// Where it may be; anywhere without coils that drive.
+    /// Box in which the robot may be; unbounded without coils that drive.
     const WorkspaceOf<double, D>& workspace() const { return workspace_; }
 
     /// The expansion at `tau` seconds into the segment. It does not depend on the robot's state, so
@@ -344,7 +344,7 @@ private:
 using LocalField = LocalFieldOf<2>;
 using SpatialField = LocalFieldOf<3>;
 
-/// In space it is too long to be in every phase.
+/// Compiled apart: in space it is too long to be in every phase.
 template <>
 SpatialExpansion LocalFieldOf<3>::at(double tau) const;
 

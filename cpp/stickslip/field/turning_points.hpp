@@ -9,7 +9,7 @@
 #include "stickslip/numbers/elementary.hpp"
 #include "stickslip/numbers/roots.hpp"
 
-/// Where what the coils make of a segment of voltage turns: sums of a line and exponentials.
+/// Turning points of currents and field over a segment of voltage: sums of a line and exponentials.
 namespace stickslip {
 
 /// Widths of the parts of a segment between two looks at its exponentials, which fade from its

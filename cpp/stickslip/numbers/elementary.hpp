@@ -98,7 +98,7 @@ template <class Real>
     return {sine(a + 1.5707963267948966), sine(a)};
 }
 
-/// Within 2e-16 for |a| < 0.888, by series; beyond by `sine`.
+/// Cosine and sine, by series for |a| < 0.888, within 2e-16; beyond by `sine`.
 template <class Real>
 [[gnu::always_inline]] inline CosineAndSine<Real> cosine_and_sine(Real a) {
     // Taylor's in a^2 up to Chebyshev's polynomial of degree 8 over this range: left out is 1e-19.

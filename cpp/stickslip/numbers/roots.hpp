@@ -24,7 +24,7 @@ struct Bracket {
 /// which ends whatever the function.
 std::optional<double> find_root(const Bracket& bracket, FunctionRef<double(double)> value);
 
-/// Where a function that does not have one sign at `low` and `high` is zero, to 1e-12.
+/// Root of a function whose signs at `low` and `high` differ or are zero, to 1e-12.
 double find_root(double low, double high, FunctionRef<double(double)> value);
 
 /// Asks `found(low, high)` of arcs between two angles, rad, from the one about `first` on to both

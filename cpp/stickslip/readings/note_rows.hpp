@@ -84,7 +84,7 @@ struct NoteFacts {
         return any_used([this](std::size_t k) { return s.coils[k].capacitance > 0.0; });
     }
 
-    /// From the start of the window to the end of the run.
+    /// Time from the start of the window to the end of the run, s.
     double measured() const { return run.simulated_time - measuring_window(s).start; }
     double speed() const { return std::hypot(run.mean_velocity, run.mean_velocity_y); }
     /// Velocity along the drive.

@@ -35,7 +35,7 @@ PerCoil held_field_gain(const Scenario& scenario, const PerCoil& currents);
 /// Voltages that the drive asks for, in the robot's own frame.
 VoltageProgram commanded_program(const Scenario& scenario, const RobotFrame& frame);
 
-/// The same as the amplifiers give them.
+/// The same voltages as the amplifiers give them.
 VoltageProgram make_program(const Scenario& scenario, const RobotFrame& frame);
 
 /// The field near the robot, of the coils that have current. `coils` have to outlive it.

@@ -51,7 +51,7 @@ public:
 
     bool in_whole_plane() const { return plane_.has_value(); }
     double sign() const { return model_.frame.sign; }
-    /// In the ground's frame a body that a surface carries, `time` s since the run began.
+    /// The body in the ground's frame, carried by the surface, `time` s since the run began.
     BodyState in_ground(BodyState body, double time) const {
         const SurfaceMotion surface = model_.shake.at(time);
         body.x += surface.x;
@@ -137,15 +137,15 @@ public:
         return plane_ ? stickslip::sample(*plane_, state_, tau)
                       : stickslip::sample(dynamics_, state_, tau);
     }
-    /// By which the heading has turned to and fro, rad.
+    /// Total angle by which the heading has turned to and fro, rad.
     double turned() const { return plane_ ? plane_->watch().state().turned : 0.0; }
 
-    /// As others see it, without currents.
+    /// State in the world's frame, without currents.
     SimulationState motion() const {
         return world_state(state_, dynamics_.contact_age() + tau_, sign(), in_whole_plane());
     }
     SimulationState world() const;
-    /// Between two steps, or where one has failed; without what a Run knows of its end.
+    /// Snapshot between two steps, or where one has failed, without the Run's knowledge of its end.
     RunSnapshot snapshot() const;
     /// Throws std::invalid_argument for a snapshot of a run in another plane.
     void restore(const RunSnapshot& snapshot);

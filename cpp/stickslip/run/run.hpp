@@ -24,15 +24,15 @@ namespace stickslip {
 /// moves the robot, a Recorder and a WindowObserver look at each step.
 class Run {
 public:
-    /// Ends early where `stop` says. Throws std::invalid_argument for a method that is not in this
-    /// build.
+    /// Ends early where `stop` is met. Throws std::invalid_argument for a method that is not in
+    /// this build.
     explicit Run(const Scenario& scenario, RunControl* control = nullptr,
                  std::optional<StopCondition> stop = std::nullopt);
 
     /// Plays to the end; the result is then to be taken.
     void go();
     RunResult take_result();
-    /// How it ended and what to do about it; see stickslip::message.
+    /// Sentence on how it ended and what to do about it; see stickslip::message.
     std::string message() const;
     /// Gives the record's sink what there is.
     void hand_over_record() { recorder_.take(); }

@@ -117,7 +117,7 @@ struct StepKernels {
     Phases<true> extended = {};  ///< of runs with them
 };
 
-/// Those of one kind of processor, which has to be this one's (step_kernel.cpp).
+/// Kernels for one kind of processor, which has to be this one's (step_kernel.cpp).
 template <Processor P>
 StepKernels step_kernels_of();
 template <>
@@ -132,7 +132,7 @@ StepKernels step_kernels_of<Processor::x86_64_v4>();
 /// x86-64-v4, and packs of 1 (every run goes alone), 4 or 8 runs. Those with fused multiply-add,
 /// all but the baseline, give the same bits.
 const StepKernels& step_kernels();
-/// As in STICKSLIP_PROCESSOR.
+/// Name of a processor, as in STICKSLIP_PROCESSOR.
 const char* name_of(Processor processor);
 
 }  // namespace stickslip

@@ -52,7 +52,7 @@ struct DragParameters {
 
 /// The numbers of the named laws, two of each at most, in the order of the rows of named_laws.cpp.
 using NamedLawNumbers = std::array<std::array<double, 2>, 12>;
-/// Those with which none of them acts.
+/// Numbers with which none of the named laws acts.
 const NamedLawNumbers& absent_laws();
 
 /// Parameters of the named extensions. Each is absent at zero; see parameters.cpp for their

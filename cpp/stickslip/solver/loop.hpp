@@ -29,7 +29,7 @@ public:
     explicit StepLoop(const StepperOptions& options) : options_(options), method_(options) {}
 
     const StepCounts& counts() const { return counts_; }
-    /// Goes on counting from these; options.most_steps limits the sum.
+    /// Sets the counts to go on from; options.most_steps limits the sum.
     void set_counts(const StepCounts& counts) { counts_ = counts; }
 
     /// Integrates from `tau` to `tau_end` or the first event. `observe(step, s)` is called

@@ -18,7 +18,7 @@ public:
     [[gnu::always_inline]] Real at(Real s) const {
         return fma(s, fma(s, fma(s, c3_, c2_), c1_), c0_);
     }
-    /// Where the slope is zero, which has different signs at the two ends.
+    /// Zero of the slope, which has different signs at the two ends.
     [[gnu::always_inline]] Real turning_point() const {
         const Real size = root(c2_ * c2_ - 3.0 * c1_ * c3_);
         return c1_ / (select(c1_ > 0.0, size, -size) - c2_);

@@ -168,7 +168,7 @@ struct WidthControl {
         return std::tie(proposal, log_error, rejected);
     }
 
-    /// An error below 1e-4 of the tolerance is taken for that.
+    /// Lower limit of the log2 of the error: one below 1e-4 of the tolerance is taken as that.
     static constexpr double kLeastLogError = -13.3;
 
     /// After an accepted step. `cut`: it was shortened to the end of a segment, and its length says
