@@ -64,7 +64,7 @@ TOLERANCES = (
 
 
 PLACES = r"^(?!conditions).*\.(number|where)$"
-"""Which reading is farthest off: of two that are nearly so, rounding decides."""
+"""Paths that tell which reading is farthest off: of two that are nearly so, rounding decides."""
 
 
 def tolerated(path: str, before: float, now: float, sd: float) -> bool:

@@ -166,7 +166,7 @@ def _children(command: Sequence[str | Path], **variables: str) -> tuple[float, f
 
 
 def build(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
-    """A clean build of the wheel."""
+    """CPU time of a clean build of the wheel."""
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps"]
         command += ["--no-build-isolation", "-C", f"build-dir={folder}/build"]

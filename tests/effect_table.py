@@ -81,7 +81,7 @@ OWN = ("own_compiled", "own_python")
 
 
 def size_of(key: Key) -> float | None:
-    """At which a parameter acts; None for one that only shapes what another makes present."""
+    """Value at which a parameter acts; None for one that only shapes the effect of another."""
     _, effect, name = key.name.split(".")
     if key.name in CHOSEN:
         return CHOSEN[key.name]

@@ -36,7 +36,7 @@ class Draw:
         self.of = np.random.default_rng(seed)
 
     def uniform(self, low, high):
-        """With both ends likely."""
+        """Uniform draw with both ends likely."""
         inside = low + (high - low) * self.of.random()
         return self.word(low, high, inside, inside, inside, inside)
 

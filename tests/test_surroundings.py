@@ -49,7 +49,7 @@ def frozen(folder):
 
 
 def another_user(folder):
-    """With a style of plots, and names of files in ASCII: all other bytes in them are escapes."""
+    """Surroundings with a style of plots and ASCII file names, in which other bytes are escapes."""
     (folder / "matplotlibrc").write_text(STYLE)
     locale = {"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0"}
     return {"MATPLOTLIBRC": str(folder), **locale}

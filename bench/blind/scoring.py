@@ -147,7 +147,7 @@ class Case:
 
     @property
     def places(self) -> set[str | None]:
-        """Where all that is said acts."""
+        """Places where the causes of the verdict act."""
         laws = self.said.get("laws", {})
         return {HOOK_OF.get(laws.get(name, name)) for name in self.causes}
 

@@ -198,7 +198,7 @@ def put(path: Path, text: str) -> None:
 
 
 def configure() -> None:
-    """As scikit-build-core does it for a wheel, but quicker to compile, and with the tests."""
+    """Configure as scikit-build-core does for a wheel, but quicker to compile, with the tests."""
     said = failure(
         *("-S", SOURCE, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Mutations"),
         "-DCMAKE_CXX_FLAGS_MUTATIONS=-O1 -fno-math-errno",

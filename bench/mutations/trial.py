@@ -58,7 +58,7 @@ class Copy:
     folder: Path
     """The project's folder in the copy."""
     package: Path
-    """Where Python finds the package of the copy."""
+    """Folder in which Python finds the package of the copy."""
 
     def build(self) -> bool:
         """Make the package of the sources; whether there is one."""

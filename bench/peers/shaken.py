@@ -69,7 +69,7 @@ def peer(method: str, rtol: float) -> float:
 
 
 def scenario(rtol: float) -> stickslip.Scenario:
-    """The same for the core."""
+    """The same problem for the core."""
     return stickslip.Scenario().replace(
         {
             "drive.mode": "none", "drive.pulses": PERIODS, "solver.rtol": rtol,

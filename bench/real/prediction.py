@@ -168,7 +168,7 @@ def predict(model: Model, begin: Starts, frames: int) -> np.ndarray:
 
 
 def time_to_contact(model: Model, begin: Starts) -> np.ndarray:
-    """From the last free frame to the first contact, s; at most three frames."""
+    """Time from the last free frame to the first contact, s; at most three frames."""
     since = np.linspace(0.0, 3.0 * FRAME, 301)
     rows = at_plate(model, begin.state)
     way, fallen, turned = model.flight.travel(since)
@@ -252,7 +252,7 @@ def fit_impacts(
 
 
 def first_guess(flight: FlightConstants, geometry: ContactGeometry) -> Model:
-    """From which a fit begins: corners and plate as the heights at contact say."""
+    """Start of a fit: corners and plate from the heights at contact."""
     height = geometry.plate + geometry.rounding - geometry.slope * ABOUT
     side = SIDE - 2.0 * geometry.rounding
     return Model(flight, geometry, ImpactConstants(0.45, 0.09, 0.5, side, height, 0.0))

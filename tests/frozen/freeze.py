@@ -81,7 +81,7 @@ def simulated(chosen: Mapping[str, Scenario], factor: float = 1.0) -> dict[str, 
 
 
 def with_spread(chosen: Mapping[str, Scenario]) -> dict[str, Frozen]:
-    """The same with their answers to rounding."""
+    """The same with their sensitivities to rounding."""
     result = simulated(chosen)
     for factor in NUDGES:
         for name, other in simulated(chosen, factor).items():
@@ -176,7 +176,7 @@ def _text(value: float) -> str:
 
 
 def read() -> tuple[dict[str, str], dict[str, Frozen]]:
-    """On which machine, and the runs by name."""
+    """The machine of the frozen runs, and the runs by name."""
     header, *lines = map(json.loads, FILE.read_text().splitlines())
     runs = {}
     for name, status, spread, numbers in lines:

@@ -303,7 +303,7 @@ def register_own_effect() -> None:
 
 
 def scenarios() -> dict[str, Scenario]:
-    """All by name. The effect of one's own has to be registered."""
+    """All scenarios by name. The effect of one's own has to be registered."""
     result = {}
     for row, across in itertools.product(effect_table.rows(), (False, True)):
         if row not in effect_table.OWN and (across or row not in effect_table.ACROSS):
