@@ -157,7 +157,7 @@ def _days(random: np.random.Generator, of: Truth) -> str:
 
 
 def _minutes(random: np.random.Generator, of: Truth) -> str:
-    """A stopwatch."""
+    """Log whose times are minutes and seconds, as of a stopwatch."""
     lines = ["time,torque (N m),speed (rad/s)"]
     lines += [
         f"{int(60 + a) // 60:02}:{(60 + a) % 60:07.4f},{b:.4f},{c:.6f}" for a, b, c in _rows(of)

@@ -67,7 +67,7 @@ CALLED = {
     "theta": ("Theta", "angle", "tilt", "phi"), "coil": ("Coil", "channel", "source"),
     "Bx": ("BX", "bx", "B_x", "x-field"), "y": ("Y", "posY"), "Bz": ("B_z", "bz", "z-field"),
 }  # fmt: skip
-"""What columns are called by people and programs in place of their names."""
+"""Other names of columns that people and programs use."""
 FORMS = (
     "{} ({})",
     "{} [{}]",

@@ -64,7 +64,7 @@ TOLERANCES = (
 
 
 PLACES = r"^(?!conditions).*\.(number|where)$"
-"""Which reading is farthest off: of two that are nearly so, rounding decides."""
+"""Paths that tell which reading is farthest off: of two that are nearly so, rounding decides."""
 
 
 def tolerated(path: str, before: float, now: float, sd: float) -> bool:
@@ -112,7 +112,7 @@ def differences(
 
 
 def thinned(value: Any) -> Any:
-    """What the stored file keeps of a value: of a long list its length and some of its items.
+    """The value as the stored file keeps it: of a long list its length and some of its items.
 
     Words and rows of candidates are in order of the alphabet: which of two that are equally likely
     comes first is rounding.

@@ -1,4 +1,4 @@
-"""What a change does to the public interface: `python -m bench interface COMMIT`.
+"""Changes of the public interface since a commit: `python -m bench interface COMMIT`.
 
 Lists public names with their signatures, the keys of a scenario, the numbers of a summary, and the
 commands with their options, of the package of the earlier commit and of the installed one, and

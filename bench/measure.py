@@ -97,7 +97,7 @@ def in_turn(
 
 
 def ratios(samples: Sequence[Sequence[float]], first: int = 0, second: int = -1) -> Figure:
-    """Of the first work over the second, from the pairs of each turn."""
+    """Ratio of the first work to the second, from the pairs of each turn."""
     return figure_of([row[first] / row[second] for row in samples])
 
 
@@ -108,7 +108,7 @@ def cpu_seconds_in_turn(works: Sequence[Callable[[], object]], repeats: int = 7)
 
 
 def processor() -> tuple[str, int]:
-    """Its name, and how many runs a pack of the core has on it at most."""
+    """Name of the processor, and the most runs that a pack of the core has on it."""
     name = platform.processor()
     with contextlib.suppress(OSError):
         for each in Path("/proc/cpuinfo").read_text().splitlines():
@@ -119,7 +119,7 @@ def processor() -> tuple[str, int]:
 
 
 def machine() -> dict[str, str]:
-    """What the figures were measured on."""
+    """The machine that the figures were measured on."""
     return {
         "processor": processor()[0],
         "system": platform.platform(),

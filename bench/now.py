@@ -61,7 +61,7 @@ Part = Callable[[dict[str, Row], Budget], Iterator[tuple[str, Row]]]
 
 
 def cpu_row(samples: Sequence[Sequence[float]], rival: str) -> Row:
-    """Of CPU seconds of a work and of a rival's."""
+    """Row of a work's CPU time over that of a rival, from CPU seconds of both."""
     seconds = figure_of([row[0] for row in samples])
     return {"unit": rival, **ratios(samples)._asdict(), "seconds": seconds._asdict()}
 
@@ -72,12 +72,12 @@ def share_row(count: int, total: int) -> Row:
 
 
 def number_row(value: float, unit: str) -> Row:
-    """Of what has no scatter, or was measured once."""
+    """Row of a number that has no scatter, or was measured once."""
     return {"unit": unit, "median": value, "low": value, "high": value, "n": 1}
 
 
 def in_process(code: str) -> Any:
-    """What a program of this folder prints as JSON, in a process of its own."""
+    """Run a program of this folder in a process of its own; the JSON that it prints last."""
     done = subprocess.run(
         [sys.executable, "-c", code], cwd=HERE, capture_output=True, text=True, check=False,
     )  # fmt: skip
@@ -119,7 +119,7 @@ def tables(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
 
 
 def logs(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
-    """What readers make of drawn logs and tables of known truth; none may be silently wrong."""
+    """Outcomes of reading drawn logs and tables of known truth; none may be silently wrong."""
     budget.check()
     for kind, of in (("logs", drawn_logs.outcome), ("drawn tables", drawn_tables.outcome)):
         found = drawn_logs.counts(range(TABLES), of)
@@ -166,7 +166,7 @@ def _children(command: Sequence[str | Path], **variables: str) -> tuple[float, f
 
 
 def build(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
-    """A clean build of the wheel."""
+    """CPU time of a clean build of the wheel."""
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps"]
         command += ["--no-build-isolation", "-C", f"build-dir={folder}/build"]

@@ -122,7 +122,7 @@ def main(arguments: Iterable[str] | None = None) -> None:
 
 
 def counts(rows: dict[str, Any]) -> dict[str, dict[str, str]]:
-    """Of each table: what was named rightly and wrongly, and what is one of a set."""
+    """Counts of each table: named rightly, named wrongly, one of a set."""
     found = {}
     for name in ("planned", "even"):
         told = [Answer(each[name]["said"], each[name]["causes"], [each["cause"]]).outcome

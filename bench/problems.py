@@ -71,14 +71,14 @@ TOYS = {
     "weak wave": 0.08 * _WAVE, "wave and bend": 0.5 * (_WAVE + _BEND),
     "unlisted": 0.4 * np.sin(11.0 * _X), "smooth": 0.15 * np.sin(2.2 * _X) ** 2,
 }  # fmt: skip
-"""What is added to the toys' line; the seed of each is its place."""
+"""Changes added to the toys' line; the seed of each is its place."""
 
 QUICK = (
     *(f"toy {name}" for name in ("nothing", "wave", "step", "bend", "wave and bend", "unlisted")),
     "table angles, clipping", "table fields, nothing", "axis-04", "joint-00", "oscillator-00",
     "pendulum-00", "thermal-00",
 )  # fmt: skip
-"""Those of `make test`: within 20 s of CPU together, with the same verdict on each machine."""
+"""Problems of `make test`: 20 s of CPU together at most, the same verdict on each machine."""
 
 
 def _log(path: Path, _: int) -> Diagnosis:

@@ -1,4 +1,4 @@
-"""What an answer is worth beside the truth: the one place where answers of a diagnosis are counted.
+"""Scores of answers beside the truth: the one place where answers of a diagnosis are counted.
 
 A claim is right if it has all that is hidden and nothing else, a set if it holds it and has at most
 `FEW` members. Silence is right where nothing that is listed is hidden, and else worth nothing.
@@ -96,7 +96,7 @@ def markdown(heads: str, rows: Sequence[Sequence[object]]) -> str:
 
 
 def table(groups: Mapping[str, Sequence[Answer]]) -> str:
-    """Of each group of answers how many have which outcome, and the mean credit, in Markdown."""
+    """Markdown table of groups of answers: the count of each outcome, and the mean credit."""
     counts = {name: Counter(each.outcome for each in group) for name, group in groups.items()}
     shown = [each for each in OUTCOMES if any(count[each] for count in counts.values())]
     rows = []

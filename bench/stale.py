@@ -15,7 +15,7 @@ VERDICTS = Path(__file__).resolve().parents[1] / "tests" / "frozen" / "verdicts.
 
 
 def digest() -> str:
-    """Of the golden verdicts: the first 12 hex digits of their SHA-256."""
+    """First 12 hex digits of the SHA-256 of the golden verdicts."""
     return hashlib.sha256(VERDICTS.read_bytes()).hexdigest()[:12]
 
 

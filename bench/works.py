@@ -1,4 +1,4 @@
-"""What the speed of the simulator is measured with: one table of works.
+"""Works by which the speed of the simulator is measured, in one table.
 
 Each work is also run by packages of earlier commits, beside which `against` sets this one.
 """
@@ -55,7 +55,7 @@ Answer = tuple[float, list[float]]
 
 
 class Work(NamedTuple):
-    """What is run at a relative tolerance.
+    """A work, run at a relative tolerance.
 
     count: runs, steps, calls or events of one call, by which its time is divided where a figure is
         of one of them.
@@ -126,7 +126,7 @@ def _alike(rtol: float) -> Answer:
 
 @functools.cache
 def _constants(count: int) -> np.ndarray:
-    """Of as many robots, about the usual one."""
+    """Constants of `count` robots, drawn about the usual one."""
     usual = [SWEPT.get(key) for key in CONSTANTS]
     return usual * np.random.default_rng(count).normal(1.0, 0.05, (count, len(usual)))
 
@@ -137,7 +137,7 @@ def _drive(rtol: float, pulses: int) -> Scenario:
 
 
 def _asked(rtol: float, count: int, pulses: int) -> Answer:
-    """What a descent of the diagnosis asks the core for: summaries of one drive that it has."""
+    """The request of a descent of the diagnosis to the core: summaries of one prepared drive."""
     drive = _drive(rtol, pulses).to_core()
     columns, _ = _core.sweep(drive, CONSTANTS, _constants(count), 1, None)
     return float(columns["simulated_time"].sum()), columns["mean_velocity"].tolist()

@@ -103,9 +103,9 @@ def listed(name, data, size):
 
 
 def p_values(name, seed):
-    """Of the test of a record of a machine with white errors of stated size, by what is listed.
+    """p-values of a record of a machine with white errors of stated size, by the listed causes.
 
-    That is each cause alone, and all together.
+    These are each cause alone, and all together.
     """
     draw = np.random.default_rng([seed, MACHINES.index(name)])
     predict, constants, sound, make = machine(name, draw)

@@ -18,7 +18,7 @@ COMMAND = [sys.executable, "-m", "stickslip"]
 
 
 class _Left(BaseException):
-    """What the command meant to end its process with."""
+    """Exit status with which the command meant to end its process."""
 
 
 def _leave(code):
@@ -30,7 +30,7 @@ def _show(message, category, filename, lineno, file=None, line=None):
 
 
 def stickslip(*arguments, cwd=None):
-    """What a process would end with and print, called in this one.
+    """Run the command in this process; the exit status and output that its own would have.
 
     Warnings are printed to standard error, as a process does, and not turned into errors. There is
     no progress bar, which comes after two seconds and so on a busy machine only.

@@ -61,7 +61,7 @@ def damaged(whole, random):
 
 
 def outcomes(folder, count, random):
-    """What `count` damages of each kind of file gave, and the longest time, s."""
+    """Outcomes of `count` damages of each kind of file, and the longest time, s."""
     found, longest = {}, 0.0
     for name, (write, read) in KINDS.items():
         path = folder / name

@@ -81,7 +81,7 @@ OWN = ("own_compiled", "own_python")
 
 
 def size_of(key: Key) -> float | None:
-    """At which a parameter acts; None for one that only shapes what another makes present."""
+    """Value at which a parameter acts; None for one that only shapes the effect of another."""
     _, effect, name = key.name.split(".")
     if key.name in CHOSEN:
         return CHOSEN[key.name]
@@ -379,7 +379,7 @@ class Case:
 
     @functools.cached_property
     def scenario(self) -> Scenario:
-        """What is simulated."""
+        """Scenario of the case."""
         push = {"effects.ambient_field.By": self.push} if self.push else {}
         return _base(self.drive).replace({**self.keys, **push})
 
@@ -527,7 +527,7 @@ class Table:
 
     @functools.cached_property
     def said(self) -> dict[Case, dict[str, str]]:
-        """What is said of each case alone."""
+        """Exact summary, as `said` has it, of the run of each case alone."""
         return {case: said(run) for case, run in self.alone.items()}
 
     def scale(self, drive: str) -> float:

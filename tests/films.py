@@ -27,7 +27,7 @@ scenario = "nominal.toml"
 """
 
 TRUE = {"contact.kinetic_friction": 0.15, "drag.linear": 1.3e-5}
-"""Of the filmed robot."""
+"""True constants of the filmed robot."""
 
 ROBOT = Scenario().replace({"drive.base": 0.5e-3, "drive.frequency": 30.0, "drive.pulses": 12})
 

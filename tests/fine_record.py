@@ -107,7 +107,7 @@ class Record:
 
     @property
     def radius(self):
-        """From the centre of mass to a corner, m."""
+        """Distance from the centre of mass to a corner, m."""
         return 0.5 * float(np.hypot(self.scenario.robot.length, self.scenario.robot.height))
 
     @property
@@ -118,7 +118,7 @@ class Record:
 
     @property
     def moment(self):
-        """A m^2."""
+        """Magnetic moment, A m^2."""
         robot = self.scenario.robot
         return robot.length * robot.width * robot.height * robot.magnetization
 
@@ -158,7 +158,7 @@ class Record:
 
     @property
     def adhesion(self):
-        """Of what touches, N; its age is that since the last touch-down."""
+        """Adhesion of the contact, N; its age is the time since the last touch-down."""
         lands = np.append(False, self.flying[:-1]) & ~self.flying
         begun = np.where(lands, self.t, -self.scenario.initial.contact_age)
         age = self.t - np.maximum.accumulate(begun)

@@ -1,4 +1,4 @@
-"""What the tests of the physics share: Table II's robot, scenarios by key, and the invariants.
+"""Helpers of the tests of the physics: Table II's robot, scenarios by key, and the invariants.
 
 Positions and forces of a run are in the world's frame, theta and omega in the robot's own.
 """
@@ -80,7 +80,7 @@ def slid(t, push, drag):
 
 
 def torque_about_corner(angle, corner_x, current, weight=WEIGHT):
-    """Of field, gradient and weight on the block on its corner at theta = angle > 0, N m."""
+    """Torque of field, gradient and weight on the block on its corner at theta = angle > 0, N m."""
     lean = np.arctan2(HEIGHT, LENGTH)
     lever, height = RADIUS * np.cos(angle + lean), RADIUS * np.sin(angle + lean)
     centre = [corner_x - lever, 0.0, height]
@@ -146,9 +146,9 @@ def is_mode(of, codes):
 
 
 def violations(of, slack=1e-9, start=0.0, speed_slack=0.0, gap_slack=0.0):
-    """What in a recording cannot be, as one line each; an empty list for a sound one.
+    """Violations of mechanics in a recording, one line each; an empty list for a sound one.
 
-    slack: of forces, relative to weight, adhesion and what presses. start: s, samples before it
+    slack: of forces, relative to weight, adhesion and normal force. start: s, samples before it
     are not looked at. speed_slack: m/s, of a slip against its mode's direction. gap_slack: m, of
     heights.
     """

@@ -1,4 +1,4 @@
-"""What in a record cannot be: the laws of contact, and momentum and energy of its forces.
+"""Checks of a record: the laws of contact, and the balances of momentum and energy.
 
 Between events the change of momentum and of energy is the integral of force and power, computed
 anew from the positions. It is taken by the trapezium rule; the difference to that of every other
@@ -41,7 +41,7 @@ def corner_heights(record):
 
 
 def contact_violations(record):
-    """Of the laws of contact at the tolerance of the run; the field and the motion as well."""
+    """Violations of the laws of contact, motion and field, at the tolerance of the run."""
     rtol = record.scenario.solver.rtol
     gap = _GAP_FACTOR * rtol * record.radius + 1e-15  # with the rounding of positions
     found = violations(
@@ -56,7 +56,7 @@ def contact_violations(record):
 
 
 def violations(record, force, speed, gaps, start=0.0):
-    """Of the laws of contact at each sample from `start` (s) on, one line each.
+    """Violations of the laws of contact at the samples from `start` (s) on, one line each.
 
     force: N, and speed: m/s, of a slip against its mode's direction: tolerances. gaps: m, of a
     corner below the surface, of a touching corner, of a face that does not lie flat.
@@ -176,7 +176,7 @@ def _wrong_field(record):
 
 
 def unbalanced(record):
-    """What in a record no force can have done; empty for a sound one, and for a coarse one.
+    """Violated balances of momentum and energy; empty for a sound record, and for a coarse one.
 
     The balances are those of one plane, so that a robot that leaves it is not looked at.
     """

@@ -31,7 +31,7 @@ CAUSES = (
 
 
 def predict(x, values):
-    """Of each vector (level, slope, bump, wave, kink), shape (vectors, len(x))."""
+    """Predictions of each vector (level, slope, bump, wave, kink), shape (vectors, len(x))."""
     shapes = [np.ones_like(x), x, np.exp(-(((x - 0.5) / 0.12) ** 2)), np.sin(25.0 * x),
               np.maximum(x - 0.7, 0.0)]  # fmt: skip
     return values[:, :5] @ np.stack(shapes)

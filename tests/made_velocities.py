@@ -20,7 +20,7 @@ def drives(frequencies=(25.0, 40.0, 60.0, 90.0), **others):
 
 
 def velocities(table):
-    """Of the stated model at the rows of a table, m/s."""
+    """Velocities of the stated model at the rows of a table, m/s."""
     return np.array(
         [
             run.mean_velocity

@@ -27,12 +27,12 @@ def formula_fields(points):
 
 
 def by(*offset):
-    """What moves the corners of a coil by an offset, m."""
+    """Function that moves the corners of a coil by an offset, m."""
     return lambda corners: corners + np.array(offset)
 
 
 def wire_fields(points, **moved):
-    """The same by straight wires; `moved` maps the corners (5, 3) of coils by name."""
+    """The same fields by straight wires; `moved` maps the corners (5, 3) of coils by name."""
     loops = [moved.get(name, lambda each: each)(coil_wires(name)) for name in COIL_NAMES]
     return np.array([[wire_loop_field(loop, *point) for loop in loops] for point in points])
 

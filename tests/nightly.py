@@ -1,4 +1,4 @@
-"""What ``make test`` leaves out, in a fixed rotation: ``python tests/nightly.py --minutes 25``.
+"""Jobs that ``make test`` omits, in a fixed rotation: ``python tests/nightly.py --minutes 25``.
 
 Every hour and every day the rotation begins at another job: short nights visit all of them. A job
 begins only if its usual time still fits. Exit status 1 if one failed; the others still run.

@@ -43,7 +43,7 @@ def run(cells: list[Cell]) -> list[Outputs]:
 
 
 def _run_cell(source: str, number: int, namespace: dict[str, Any]) -> Outputs:
-    """What a cell prints, and what it shows: its last line, if that is an expression."""
+    """Outputs of a cell: printed text, and the value of its last line if that is an expression."""
     body = ast.parse(source).body
     last = body.pop() if body and isinstance(body[-1], ast.Expr) else None
     shown = None
@@ -61,7 +61,7 @@ def _run_cell(source: str, number: int, namespace: dict[str, Any]) -> Outputs:
 
 
 def _data(value: Any) -> dict[str, Any]:
-    """What a notebook asks a value for, by media type."""
+    """Representations of a value that a notebook asks for, by media type."""
     data: dict[str, Any] = {"text/plain": repr(value).splitlines(keepends=True)}
     if hasattr(value, "_repr_html_") and (html := value._repr_html_()) is not None:
         data["text/html"] = html.splitlines(keepends=True)

@@ -1,4 +1,4 @@
-"""What the tests of a user's own effects share: registering, and a force in three languages."""
+"""Helpers of the tests of a user's own effects: registering, and a force in three languages."""
 
 import pytest
 from numba import cfunc

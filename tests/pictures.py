@@ -1,4 +1,4 @@
-"""What the tests of pictures share: runs to draw, and their ways in the plane."""
+"""Helpers of the tests of pictures: runs to draw, and their paths in the plane."""
 
 import functools
 
@@ -54,7 +54,7 @@ def heading_of(run):
 
 
 def way_of(run):
-    """What has been gone along the heading from x = y = 0, by the trapezoidal rule, m."""
+    """Distance along the heading from x = y = 0, by the trapezoidal rule, m."""
     psi = heading_of(run)
     speed = np.gradient(run.x, run.t) * np.cos(psi) + np.gradient(run.y, run.t) * np.sin(psi)
     return np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(run.t))])

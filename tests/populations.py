@@ -36,7 +36,7 @@ class Draw:
         self.of = np.random.default_rng(seed)
 
     def uniform(self, low, high):
-        """With both ends likely."""
+        """Uniform draw with both ends likely."""
         inside = low + (high - low) * self.of.random()
         return self.word(low, high, inside, inside, inside, inside)
 
@@ -199,7 +199,7 @@ def wild_program(draw):
 
 
 def wild_plane(draw, keys):
-    """What takes the robot out of one plane."""
+    """Keys that take the robot out of one plane."""
     heading = "initial.heading" if "drive.program" in keys else "drive.heading"
     return {
         heading: draw.uniform(-math.pi, math.pi),

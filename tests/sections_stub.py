@@ -81,7 +81,7 @@ BY_HAND = {
     def from_row(row: Any) -> State: ...
 """,
 }
-"""What the classes have beside the keys of the table."""
+"""Members of the classes beside the keys of the table."""
 
 ARGUMENTS = {
     "Drive": ["program: Waveform | None = None"],

@@ -1,4 +1,4 @@
-"""What `python -m bench` lists and writes, what `lines` counts, what `mutations cpp` replaces."""
+"""Lists and files of `python -m bench`, counts of `lines`, changes of `mutations cpp`."""
 
 import argparse
 import importlib.util

@@ -67,7 +67,7 @@ MEASURED = ("length_scale", "clock_scale", "angle_offset")  # in readings, not i
 
 
 def read(truth, name, true, causes):
-    """What the diagnosis reads of true values, shape (n,), with the instrument of that name."""
+    """Readings of true values by the diagnosis' instrument of that name, shape (n,)."""
     own = truth.parameters(name)
     keys, values = [f"{name}.{key}" for key in own], np.array([list(own.values())])
     return read_by(causes, keys, values, lambda *_: true[None], Table({}, true))[0]

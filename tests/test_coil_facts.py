@@ -1,4 +1,4 @@
-"""What coils and amplifiers can do, and coils from what a laboratory measures."""
+"""Capabilities of coils and amplifiers, and coils from a laboratory's measurements."""
 
 import json
 import math

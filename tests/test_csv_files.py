@@ -98,7 +98,7 @@ def float_or_word(cell):
 
 
 def numbers_in(found):
-    """All numbers of what a reader gave, in order."""
+    """All numbers that a reader gave, in order."""
     if isinstance(found, FieldMap):
         return [*found.low, *found.high]
     if isinstance(found, Mapping):

@@ -22,7 +22,7 @@ def _few_causes():
 
 
 def diagnosed(folder, changes=None, change=None, more="", *options):
-    """What the command did with a measurement, what ``--json`` said, and the report."""
+    """The finished command on a measurement, the JSON of ``--json``, and the report."""
     path = write(folder, changes or {}, change=change)
     path.write_text(path.read_text() + more)
     done = stickslip("diagnose", path, "--out", folder / "found", "--json", "--seed", 3, *options)

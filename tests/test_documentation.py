@@ -129,7 +129,7 @@ def beside_other_tools():
 
 
 def measured_words():
-    """What the pages say of what was measured or counted, from its files: words of each page."""
+    """Measured and counted figures, from their files, as the words of each page."""
     speed, peers, real = (
         json.loads((MEASURED / f"{name}.json").read_text()) for name in ("speed", "peers", "real")
     )

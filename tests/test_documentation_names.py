@@ -1,4 +1,4 @@
-"""What pages and sources name is there: public names, linked files, places of sources, targets."""
+"""Names in pages and sources exist: public names, linked files, places of sources, targets."""
 
 import json
 import pkgutil

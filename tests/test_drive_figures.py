@@ -1,4 +1,4 @@
-"""What a run measures of its coils: field, current, voltage and power."""
+"""Figures of the drive in a run's summary: field, current, voltage and power of the coils."""
 
 import math
 

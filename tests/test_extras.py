@@ -1,4 +1,4 @@
-"""What works without any extra, and that everything else names the extra which it needs."""
+"""Without any extra the core features work, and all else names the extra which it needs."""
 
 import os
 import re

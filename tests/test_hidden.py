@@ -1,4 +1,4 @@
-"""What is hidden is named, a twin is left open, and sound data are left alone: of every kind.
+"""A hidden cause of every kind is named, a twin is left open, and sound data are left alone.
 
 Readings come from programs that share no code with the core: the integrator of the benchmark of
 causes, and the reference simulator. Constants are off by a part of their errors, and beside what is
@@ -223,7 +223,7 @@ def ids(rows):
 
 
 def judge(result, what, cause, twins):
-    """That a verdict is right, and as sharp as the data allow."""
+    """Assert that a verdict is right, and as sharp as the data allow."""
     verdict = result.verdict
     said = Answer(verdict.kind, verdict.causes, [cause] * bool(cause), twins)
     wanted = {"hidden": "right name", "twin": "right set", "clean": "rightly silent"}[what]

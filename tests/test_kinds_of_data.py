@@ -62,7 +62,7 @@ def dataset(table, model, folder):
 
 
 def command(table, model, folder):
-    """As the command reads it; what it says of the log comes before the verdict."""
+    """Log as the command reads it, whose notes on it come before the verdict."""
     path = folder / "log.csv"
     pd.DataFrame(table).to_csv(path, index=False)
     return models.read_log(columns.Source(path), model)
@@ -338,7 +338,7 @@ def test_a_unit_within_a_label_counts_and_a_stale_one_is_told():
 
 
 class Masked:
-    """As of astropy: an array with a mask that `numpy.array` does not see."""
+    """Array as of astropy, with a mask that `numpy.array` does not see."""
 
     def __init__(self, values, mask):
         self.unmasked, self.mask = values, mask
@@ -348,7 +348,7 @@ class Masked:
 
 
 class Variable(Masked):
-    """As of netCDF4: numbers come masked where they are asked for."""
+    """Variable as of netCDF4: its numbers are masked when they are read."""
 
     set_auto_mask = None
 
@@ -357,7 +357,7 @@ class Variable(Masked):
 
 
 class Scipp:
-    """As of scipp, whose `value` is of a single number."""
+    """Array as of scipp, whose `value` is that of a single number."""
 
     def __init__(self, values, unit):
         self.values, self.unit = values, unit

@@ -1,4 +1,4 @@
-"""What the checks of a record (laws.py) find in false ones, and that they find nothing else."""
+"""The checks of a record (laws.py) find the fault in false ones, and nothing else."""
 
 import dataclasses
 

@@ -36,7 +36,7 @@ def used(folder, frames, toml=TOML):
 
 
 def beside(folder, toml, odd, sound):
-    """What is said of a film that is left out beside a sound one."""
+    """The note on a film that is left out beside a sound one."""
     with pytest.raises(ScenarioError, match=r"^[^\n]*nothing sound is left[^\n]*$"):
         read(folder, toml, a=odd)
     sound_entry = TOML.split("\n\n")[1].replace("a.csv", "b.csv")

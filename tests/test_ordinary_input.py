@@ -1,4 +1,4 @@
-"""What laboratories have, by every door: kinds of arrays, tracks, models and tables of readings."""
+"""Ordinary input of laboratories: kinds of arrays, tracks, models and tables of readings."""
 
 import datetime
 import pickle

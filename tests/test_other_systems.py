@@ -1,4 +1,4 @@
-"""What other systems lack is not needed: here it is hidden from the package."""
+"""Modules that other systems lack are not needed: here they are hidden from the package."""
 
 import os
 import subprocess

@@ -1,4 +1,4 @@
-"""What an import costs and offers."""
+"""Cost and public names of an import."""
 
 import importlib.metadata
 import pkgutil

@@ -18,14 +18,14 @@ WINGS = {
     "models": ("_machines", "diagnosis", "models"),
     "walker": (*SIMULATOR, "diagnosis", "walker"),
 }
-"""What each may import beside the common ones; `cli` and the top-level files import all."""
+"""Packages that each may import beside common ones; `cli` and the top-level files import all."""
 ORDER = (*BASE, *SIMULATOR, *APPLICATIONS, "diagnosis", "_machines", "models", "walker", "cli")
 CORELESS = ("diagnosis", "models")
-"""What does not know the core either."""
+"""Packages that do not import the core either."""
 FACES = {"plot": {"design.coil_axes"}}
-"""What the face of a package offers from elsewhere: `plot.coil_lines` draws numbers of a design."""
+"""Names that a package exports from another one: `plot.coil_lines` draws numbers of a design."""
 LAZY = ("cli", "plot")
-"""What a function may import: commands, and what needs an extra of the installation."""
+"""Packages that may be imported inside functions: commands, and those that need an extra."""
 ROBOT = re.compile(
     r"\b(robot|coil|walker|magnet|drive|velocity|velocitie|camera|film)s?\b", re.IGNORECASE
 )

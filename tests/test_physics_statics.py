@@ -1,4 +1,4 @@
-"""What must not move does not move at all, and what slides does so as Newton says."""
+"""A robot that is held does not move at all, and one that slides obeys Newton's second law."""
 
 import numpy as np
 import pytest

@@ -113,7 +113,7 @@ def noted(*scenarios):
 
 
 def assert_ended(run, extreme=False):
-    """With a known status and a message, with finite numbers where it is ok."""
+    """Assert a known status and a message, and finite numbers where it is ok."""
     text = f"{run.status}: {run.message}\n{run.scenario.to_toml()}"
     assert run.status in _core.statuses, text
     assert run.message.strip(), text

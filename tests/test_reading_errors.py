@@ -1,4 +1,4 @@
-"""What may be wrong with the readings of a measurement, named beside the simulator's effects."""
+"""Errors of the readings of a measurement, named beside the simulator's effects."""
 
 import itertools
 

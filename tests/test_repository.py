@@ -1,4 +1,4 @@
-"""What stands in more than one file of the repository is the same in all."""
+"""Facts that stand in more than one file of the repository are the same in all."""
 
 import re
 import subprocess

@@ -1,4 +1,4 @@
-"""What notebooks show of objects, and tables of runs and sweeps: small, escaped, with units."""
+"""Display of objects in notebooks, and tables of runs and sweeps: small, escaped, with units."""
 
 import pickle
 import re

@@ -45,7 +45,7 @@ print(json.dumps({"points": data["status"].size, "failed": data.attrs["failed_po
 
 
 def in_process(code, *arguments, **options):
-    """What a program prints in a process of its own, whose memory is that of its work."""
+    """Output of a program in a process of its own, whose memory is that of its work."""
     command = [sys.executable, "-c", PEAK + code, *map(str, arguments)]
     done = subprocess.run(
         command, capture_output=True, text=True, timeout=120, check=False, **options

@@ -39,7 +39,7 @@ def test_an_answer_is_worth(said, causes, truth, outcome, credit):
 
 
 def utility(said, truth, components):
-    """Of DXC 2026: the mean of 1 - n (N + 1) / f (n + 1) - m (f - N + 1) / f (m + 1) over pairs.
+    """Utility of DXC 2026: mean 1 - n (N + 1) / f (n + 1) - m (f - N + 1) / f (m + 1) of pairs.
 
     n causes are said too many and m too few, of N that are said and f components.
     """
@@ -84,7 +84,7 @@ STUDIES = sorted({path.parent for path in HERE.glob("*/*.jsonl")})
 
 
 def rows_of(study):
-    """Of each row that is stored of a study: what makes it one of its kind, seed and commit."""
+    """Identity, seed and commit of each stored row of a study."""
     for folder in STUDIES:
         for row in lines(folder / f"{'record' if study == 'walkers' else study}.jsonl"):
             one = row.get("answer", {"kind": "", **row})

@@ -49,14 +49,14 @@ def frozen(folder):
 
 
 def another_user(folder):
-    """With a style of plots, and names of files in ASCII: all other bytes in them are escapes."""
+    """Surroundings with a style of plots and ASCII file names, in which other bytes are escapes."""
     (folder / "matplotlibrc").write_text(STYLE)
     locale = {"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0"}
     return {"MATPLOTLIBRC": str(folder), **locale}
 
 
 def done_in(folder, where):
-    """What the commands print and write in some surroundings."""
+    """Output and files of the commands in some surroundings."""
     around, inside = folder / "around", folder / "inside"
     for each in (around, inside):
         each.mkdir()

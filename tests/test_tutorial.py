@@ -26,7 +26,7 @@ def kinds(outputs):
 
 
 def shown(outputs, kind):
-    """What a cell shows of a kind, without pictures and what is drawn by lot for each showing."""
+    """Text that a cell shows of a media type, without pictures and random identifiers."""
     lines = "\n".join("".join(each.get("data", {}).get(kind, "")) for each in outputs)
     return " ".join(re.sub(rf"{PICTURE}|[0-9a-f]{{32}}", "", lines).split())
 

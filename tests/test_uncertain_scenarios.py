@@ -1,4 +1,4 @@
-"""What is uncertain in a scenario: its file, its draws, and what is refused."""
+"""Uncertain parameters of a scenario: their file, their draws, and refusals."""
 
 import functools
 import math

@@ -53,13 +53,13 @@ Way = Callable[[Table], Iterator[str]]
 
 
 def batch(table: Table) -> Iterator[str]:
-    """All at once on two threads, in packs as wide as the processor has."""
+    """Runs all at once on two threads, in packs as wide as the processor has."""
     runs = simulate_batch([case.scenario for case in table.to_the_bit], threads=2)
     return table.compare(runs, table.to_the_bit)
 
 
 def packs(table: Table, width: int) -> Iterator[str]:
-    """All at once in packs of at most `width`, in a process of its own, which reads the limit."""
+    """Runs all at once in packs of at most `width`, in an own process, which reads the limit."""
     code = f"import ways_to_run; ways_to_run.print_packed({table.choice!r})"
     folder = os.path.dirname(os.path.abspath(__file__))
     environment = {
@@ -84,7 +84,7 @@ def packs(table: Table, width: int) -> Iterator[str]:
 
 
 def print_packed(choice: str) -> None:
-    """What is said of a batch of the cases, as JSON: what the process of `packs` does."""
+    """Print the runs of a batch of the cases as JSON, for the process of `packs`."""
     chosen = to_the_bit(choice)
     runs = simulate_batch([case.scenario for case in chosen], threads=1)
     print(json.dumps({str(case): said(run) for case, run in zip(chosen, runs, strict=True)}))
@@ -95,7 +95,7 @@ ROUNDING = 1e-12
 
 
 def recorded(table: Table) -> Iterator[str]:
-    """With a record on a grid, and with one of events."""
+    """Runs with a record on a grid, and with one of events."""
     for rate in (RATE, "events"):
         asked = [case.scenario.replace({"record.rate": rate}) for case in table.cases]
         runs = simulate_batch(asked, threads=1)
@@ -114,7 +114,7 @@ def recorded(table: Table) -> Iterator[str]:
 
 
 def _misread(run: Run, scale: float) -> str:
-    """What the last samples and the window of a record have to do with state and velocity."""
+    """Difference of a record's last samples and window from final state and mean velocity."""
     start, end = run.scenario.to_core().window
     first, last = (int(np.argmin(np.abs(run.t - at))) for at in (start, end))
     velocity = (run.x[last] - run.x[first]) / (run.t[last] - run.t[first])
@@ -133,7 +133,7 @@ def _misread(run: Run, scale: float) -> str:
 
 
 def swept(table: Table) -> Iterator[str]:
-    """As points of sweeps on two threads; a sweep has one map and one program."""
+    """Runs as points of sweeps on two threads; a sweep has one map and one program."""
 
     def together(case: Case) -> tuple[int, ...]:
         scenario = case.scenario
@@ -316,7 +316,7 @@ RARE = 0.005
 
 
 def in_both_planes(table: Table) -> Iterator[str]:
-    """In the whole plane, where the field moves the robot as in one."""
+    """Runs in the whole plane, where the field moves the robot as in one."""
     pushed = [case for case in table.alone if case.push]
 
     def apart(case: Case, tolerance: float) -> str:
@@ -341,7 +341,7 @@ TURNED_KEYS = (
 
 
 def turned(scenario: Scenario) -> Scenario:
-    """The same seen from behind: world, coils, map and robot turned by pi about z."""
+    """The scenario seen from behind: world, coils, map and robot turned by pi about z."""
     changes: dict[str, Any] = {}
     for key in TURNED_KEYS:
         changes[key] = -float(scenario.get(key))
@@ -363,7 +363,7 @@ def turned(scenario: Scenario) -> Scenario:
 
 
 def from_behind(table: Table) -> Iterator[str]:
-    """With the whole world turned by pi, which turns the motion too.
+    """Runs with the whole world turned by pi, which turns the motion too.
 
     An effect of the user may know where +x is.
     """

@@ -32,11 +32,11 @@ OF_LOGS = {
     "servo": (own.of_servo, own.tables, "logs of servos"),
     "units": (units.judged, units.table, "logs in a unit that nobody stated"),
 }
-"""Of each study in one file: the row of a seed, the table of rows, and what it has."""
+"""Studies in one file: the row of a seed, the table of rows, and the data sets in words."""
 
 
 def show(rows: list[Row], table: Callable[[list[Row]], str] = report) -> None:
-    """The tables, below what of them is stale."""
+    """Print the tables, below a line on rows that are stale."""
     print(*stale(rows), table(rows), sep="\n\n")
 
 

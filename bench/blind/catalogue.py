@@ -1,4 +1,4 @@
-"""What can be hidden in a data set, as data: causes, laws outside the library, distorted readings.
+"""Catalogue of what a data set may hide: causes, laws outside the library, distorted readings.
 
 Every entry has sizes for an amount of 1; the amount is scaled until the signal to noise is that of
 the kind. Where the form of a law is a matter of choice it differs from the library's: friction

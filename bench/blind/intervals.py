@@ -63,7 +63,7 @@ def _error(
 
 
 def made(seed: int) -> tuple[Row, Series, list[Parameter], list[Cause]]:
-    """What is hidden, with the width of the fit that is told, the readings, and what is listed."""
+    """The truth with the width of the told fit, the readings, constants and listed causes."""
     draw, name = np.random.default_rng([48, seed]), [*KINDS][seed % len(KINDS)]
     kind, errors = KINDS[name], ERRORS[seed // len(KINDS) % len(ERRORS)]
     hidden = [*kind.causes][seed // len(KINDS) // len(ERRORS) % len(kind.causes)]
@@ -94,7 +94,7 @@ def made(seed: int) -> tuple[Row, Series, list[Parameter], list[Cause]]:
 
 
 def diagnosed(seed: int) -> tuple[Row, Diagnosis]:
-    """What a set hides, and what is said of it."""
+    """The truth of a set, and its diagnosis."""
     truth, record, uncertain, causes = made(seed)
     predict, absent = model_of(truth["kind"]), dict.fromkeys(KINDS[truth["kind"]].causes, 0.0)
     return truth, diagnose_model(
@@ -116,7 +116,7 @@ def judged(seed: int) -> Row:
 
 
 def table(rows: list[Row]) -> str:
-    """Of each kind of error: how many sizes are told, hold the truth, and how wide they are."""
+    """Table by kind of error: how many sizes are told, how many hold the truth, their width."""
     found = []
     for errors in (*ERRORS, ""):
         own = [row for row in rows if row["error"] == errors or not errors]

@@ -63,7 +63,7 @@ def _true(place: bool, t: Array, u: Array, line: bool, p: Array) -> Array:
 
 
 def made(seed: int) -> tuple[Row, models.Model, Series]:
-    """What is hidden, with the width of the fit that is told, and the log of a model."""
+    """The truth with the width of the told fit, a model, and its log."""
     draw, line = np.random.default_rng([77, seed]), bool(seed % 2)
     kind, name, step, constants, names = KINDS[seed // 2 % len(KINDS)]
     t = step * np.arange(COUNT)
@@ -91,7 +91,7 @@ def made(seed: int) -> tuple[Row, models.Model, Series]:
 
 
 def judged(seed: int) -> Row:
-    """What a log hides, how far what is told is from it, and how much wider than of the fit."""
+    """The truth of a log, the error of the told delay in its sd, and its sd over the fit's."""
     truth, model, record = made(seed)
     uncertain, causes = model.terms(record)
     late = next(each.name for each in causes if each.name.startswith("late "))
@@ -105,7 +105,7 @@ def judged(seed: int) -> Row:
 
 
 def table(rows: list[Row]) -> str:
-    """Of each kind of input: how many delays are told, how far off, and how much wider."""
+    """Table by kind of input: how many delays are told, how far off, and how much wider."""
     found = []
     for kind in sorted({row["input"] for row in rows}):
         own = [row for row in rows if row["input"] == kind]

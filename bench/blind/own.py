@@ -164,12 +164,12 @@ def _stands_out(effect: Array, moves: Array, size: float | Array, sd: float) -> 
 
 
 def refitted(change: Array, columns: Array) -> Array:
-    """What a fit of the columns leaves of a change."""
+    """Residual of a change after a least-squares fit of the columns."""
     return change - columns @ np.linalg.lstsq(columns, change, rcond=None)[0]
 
 
 def _error(kind: str, t: Array, seen: Array, draw: np.random.Generator) -> Array:
-    """What a sensor adds whose scale has a ripple, or slow waves."""
+    """Error of a sensor whose scale has a ripple, or that adds slow waves."""
     if kind == "uneven scale":
         return np.sin(2.0 * np.pi * seen / (0.37 * np.ptp(seen)) + draw.uniform(0.0, 6.3))
     waves = [draw.normal() * np.sin(2.0 * np.pi * rate * t / t[-1] + draw.uniform(0.0, 6.3)) / rate
@@ -218,7 +218,7 @@ def of_clean(seed: int) -> Row:
 
 
 def judged(seed: int, kind: str, hidden: str, errors: str) -> Row:
-    """What a set hides, and what is said of it."""
+    """The truth of a set, and its verdict."""
     draw = np.random.default_rng([7, seed])
     made = line(hidden, draw) if kind == "line" else log(kind, hidden, errors, draw)
     cause, effect, stands_out, found = made
@@ -232,8 +232,8 @@ def judged(seed: int, kind: str, hidden: str, errors: str) -> Row:
 
 
 def group(row: Row) -> str:
-    """What is hidden; of a listed cause whether constants leave little of it, and of one that is
-    not listed whether a listed one acts alike."""
+    """Kind of hidden cause: a listed one weak where constants leave little of it, an unlisted one
+    alike where a listed one acts alike."""
     if row["alike"] is None:
         weak = row["hidden"] == "listed" and row["strength"] < WEAK
         return f"{row['hidden']}{', weak' * weak}"
@@ -241,12 +241,12 @@ def group(row: Row) -> str:
 
 
 def answer(row: Row) -> Answer:
-    """What is said beside what is hidden of what is listed."""
+    """The verdict beside the hidden cause, if that is listed."""
     return Answer(row["verdict"], row["causes"], [row["cause"]] * (row["hidden"] == "listed"))
 
 
 def counts(row: Row, what: str) -> bool:
-    """Whether a set counts as what a demand is about."""
+    """Whether a set has the outcome that a demand counts."""
     one, verdict = answer(row), row["verdict"]
     return {
         "false alarm": verdict != "none",

@@ -55,7 +55,7 @@ class Readings:
 def readings(
     truth: Truth, drives: Sequence[Drive], tables: Sequence[str], step: float = STEP
 ) -> Readings:
-    """What is read of a truth; `step`, s, is that of the runs behind the velocities."""
+    """Readings of a truth; `step`, s, is that of the runs behind the velocities."""
     return Readings(
         velocities(truth, drives, step) if "velocity" in tables else np.zeros(0),
         _angles(truth) if "angle" in tables else np.zeros(0),

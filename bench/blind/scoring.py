@@ -1,4 +1,4 @@
-"""What was said in a study of walkers, one question a case, and its tables in Markdown."""
+"""Scores of a study of walkers, one question a case, and their tables in Markdown."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class Case:
 
     @property
     def told(self) -> Answer:
-        """What is said beside what is hidden; of a law, where it acts."""
+        """The verdict beside the truth; for a law, the place where it acts."""
         if self.hook is not None:
             return Answer(self.verdict, self.places, [self.hook])
         # No velocity tells some causes from others.
@@ -75,7 +75,7 @@ class Case:
 
     @property
     def counted(self) -> bool:
-        """Whether what is hidden is as strong as its kind asks for."""
+        """Whether the hidden effect is as strong as its kind asks for."""
         wanted = KINDS[self.kind].wanted
         return wanted is None or self.answer["strength"] >= _REACHED * wanted[0]
 
@@ -147,7 +147,7 @@ class Case:
 
     @property
     def places(self) -> set[str | None]:
-        """Where all that is said acts."""
+        """Places where the causes of the verdict act."""
         laws = self.said.get("laws", {})
         return {HOOK_OF.get(laws.get(name, name)) for name in self.causes}
 
@@ -202,7 +202,7 @@ FACTS: tuple[tuple[str, Callable[[Case], bool], Callable[[Case], bool]], ...] = 
     ("held-out error at least halved, where the truth halves it", lambda c: c.halved,
      lambda c: c.family == "law" and c.halved_by_truth),
 )  # fmt: skip
-"""What is counted beside the answers, by which question, and of which cases."""
+"""Counts beside the answers: name, question, and the cases that are asked."""
 
 
 def read(path: Path) -> list[Row]:

@@ -42,7 +42,7 @@ def of(study: str, seed: int) -> Range | None:
 
 
 def used(study: str, seeds: Iterable[int]) -> list[str]:
-    """What speaks against judging these seeds: a line for each range that is closed or unknown."""
+    """Reasons against judging these seeds, a line for each range that is closed or unknown."""
     found = {}
     for seed in seeds:
         one = of(study, seed)

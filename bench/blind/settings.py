@@ -15,7 +15,7 @@ Drive = dict[str, float | str]
 
 @dataclass(frozen=True)
 class Prior:
-    """What is known of a constant before it is measured; coordinates are standard normal.
+    """Prior of a constant; coordinates are standard normal.
 
     `kind` is "normal" (mean, sd), "log-normal" (median, factor of one sd) or "log-uniform" (low,
     high), with these two numbers.
@@ -45,7 +45,7 @@ class Prior:
 
     @property
     def stated(self) -> str:
-        """As a measurement file has it."""
+        """Text of the prior in a measurement file."""
         one, two = {
             "normal": ("mean", "sd"), "log-normal": ("median", "factor"),
             "log-uniform": ("low", "high"),
@@ -77,7 +77,7 @@ LIMITS = {"contact.kinetic_friction": (0.0, 0.199), "contact.adhesion": (0.0, np
 
 
 def priors(tables: tuple[str, ...]) -> dict[str, Prior]:
-    """What the experimenter knows of the constants: those that the first table asks for."""
+    """Priors of the experimenter: those that the first table asks for."""
     return _PRIORS[tables[0]]
 
 

@@ -71,9 +71,9 @@ class Draft:
         return np.concatenate(parts)
 
     def film_columns(self) -> tuple[Array, Array]:
-        """What each film leaves open, (readings, columns), and the weight of each one's prior.
+        """Columns of each film's free constants, (readings, columns), and their priors' weights.
 
-        The origin of x, the angle of the camera, and when it began.
+        They are the origin of x, the angle of the camera, and when it began.
         """
         sizes = [int(frames.sum()) for own in self._level.films for frames in _frames(own).values()]
         before = len(self(self.plain)) - sum(sizes)
@@ -108,7 +108,7 @@ def _frames(film: Mapping[str, Array]) -> dict[str, NDArray[np.bool_]]:
 
 
 class Absorber:
-    """What the constants can undo about a truth, and beside them one rival, whose size is free.
+    """Linear model of what the constants, and one rival of free size, can undo about a truth.
 
     A rival is a cause, or a constant without its prior. `base` has what is hidden besides; a rival
     that is among it begins at its size there.
@@ -130,7 +130,7 @@ class Absorber:
         self._slopes = self._slopes_at(np.zeros(len(self._weights)))
 
     def rest(self, seen: Array) -> Array:
-        """What is left of readings by the linear model, and how far the priors are pulled."""
+        """Residuals of readings by the linear model, and of the priors."""
         return self._left(seen - self._begin, self._slopes, np.zeros(len(self._weights)))[1]
 
     def strength(self, seen: Array) -> float:
@@ -201,7 +201,7 @@ class Absorber:
         return found
 
     def _effects(self, name: str, amount: float | Array) -> Array:
-        """What is left of each size of a cause, (rows, sizes)."""
+        """Residuals of the effect of each size of a cause, (rows, sizes)."""
         own = entry(name)
         amounts = np.clip(np.broadcast_to(amount, len(own.sizes)), own.least, own.most)
         columns = []

@@ -126,7 +126,7 @@ def generator_files() -> list[Path]:
 
 
 def _checksum(paths: Iterable[Path], more: bytes = b"") -> str:
-    """Of the names and contents of files."""
+    """SHA-256 of `more` and of names and contents of files, its first 12 hex digits."""
     total = hashlib.sha256(more)
     for path in sorted(paths):
         total.update(path.name.encode() + path.read_bytes())
@@ -248,7 +248,7 @@ def judge(folder: Path) -> list[Row]:
 
 
 def _by_answer(row: Row, path: Path, more: Path) -> Row:
-    """What only the answer can tell.
+    """Results that need the answer.
 
     The error that the truth leaves on all conditions; near twins, measured again at the experiments
     that the diagnosis proposes.
@@ -271,7 +271,7 @@ def truth_error(table: VelocityTable, answer: Row) -> float:
 
 
 def diagnosed(path: Path) -> Row:
-    """What is said of a data set by its files alone: what the counts need of it."""
+    """Diagnosis of a data set from its files alone: the parts that the counts need."""
     start = time.process_time()
     result = diagnose(read_measurement(path), threads=1)
     seconds, gain, whole = time.process_time() - start, result.gain, result.as_dict()

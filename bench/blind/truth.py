@@ -1,4 +1,4 @@
-"""What is behind one data set, drawn at random. The true constants come from the priors."""
+"""Truth behind one data set, drawn at random. The true constants come from the priors."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Hidden:
 
 @dataclass(frozen=True)
 class Truth:
-    """What is behind one data set.
+    """Truth behind one data set.
 
     kind. answer: Names in the library's words; empty where nothing of the library is hidden.
     constants: By dotted key, SI units. hidden: By name of the catalogue; ``ripple`` is a wave
@@ -73,7 +73,7 @@ class Truth:
         return {**causes, **({"law": laws[0]} if laws else {})}
 
     def as_record(self) -> dict[str, Any]:
-        """What a record keeps: all of it, and what follows from it."""
+        """Entry of a record: all of the truth, and what follows from it."""
         # Beside a cause a law is an error of the model, and none that is asked for.
         hook = None if self.answer else next((name for name in self.hidden if name in LAWS), None)
         return {**asdict(self), "effects": self.effects, "hook": hook}

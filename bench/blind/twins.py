@@ -85,7 +85,7 @@ DISTORTIONS: dict[str, Callable[[Array, float], Array]] = {
 
 
 def solved(kind: Kind, p: dict[str, float], t: Array) -> Array:
-    """What is to be read, by an adaptive method, shape (n,)."""
+    """Readings without errors, by an adaptive method, shape (n,)."""
     pace = 1.0 + p.get("clock", 0.0)
     start = p.get("x", 0.0), p["v"]
     made = solve_ivp(lambda s, z: (z[1], kind.rate(*z, s, p)), (0.0, pace * t[-1]), start, "DOP853",
@@ -134,7 +134,7 @@ def listed(kind: Kind, names: Collection[str]) -> tuple[list[Parameter], list[Ca
 
 
 def made(seed: int) -> tuple[Row, Series, list[Parameter], list[Cause]]:
-    """What is hidden, the readings, and what is listed beside them."""
+    """The truth, the readings, constants and listed causes."""
     draw, name = np.random.default_rng([45, seed]), [*KINDS][seed % len(KINDS)]
     kind = KINDS[name]
     hidden = [*kind.causes][seed // len(KINDS) % len(kind.causes)]
@@ -164,19 +164,19 @@ def made(seed: int) -> tuple[Row, Series, list[Parameter], list[Cause]]:
 
 
 def judged(seed: int) -> Row:
-    """What a set hides, and what is said of it."""
+    """The truth of a set, and its verdict."""
     answer, record, uncertain, causes = made(seed)
     verdict = diagnose_model(model_of(answer["kind"]), record, uncertain, causes).verdict
     return {**answer, "verdict": verdict.kind, "causes": list(verdict.causes)}
 
 
 def answer(row: Row) -> Answer:
-    """What is said beside what is hidden."""
+    """The verdict beside the hidden cause."""
     return Answer(row["verdict"], row["causes"], [row["cause"]])
 
 
 def table(rows: list[Row]) -> str:
-    """Counts of what is said, with intervals, of all and of each motion."""
+    """Counts of verdicts with intervals, for all sets and for each motion."""
     kinds = {name: [answer(row) for row in rows if row["kind"] == name] for name in KINDS}
     seconds = sum(row["cpu_seconds"] for row in rows)
     return f"{scores.table({'all': [*map(answer, rows)], **kinds})}\n\n{seconds:.0f} CPU s."

@@ -95,7 +95,7 @@ KINDS = {
 
 
 def made(seed: int) -> tuple[Row, str, Any, Series]:
-    """What is wrong, the words that tell it, the model and its log."""
+    """The error of the log, the words that tell it, the model and its log."""
     draw = np.random.default_rng(seed)
     kind, wrong = list(KINDS)[seed // 5 % 5], WRONG[seed % 5]
     of = KINDS[kind]
@@ -151,7 +151,7 @@ def made(seed: int) -> tuple[Row, str, Any, Series]:
 
 
 def judged(seed: int) -> Row:
-    """What is wrong with a set, what is said of it, and whether the factor is said rightly."""
+    """The error of a set, its verdict, and whether the factor is said rightly."""
     answer, words, model, log = made(seed)
     predict, constants = model if isinstance(model, tuple) else (model, None)
     try:

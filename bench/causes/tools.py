@@ -151,7 +151,7 @@ def best_bic(one: Asked) -> Answer:
 
 
 def stepwise(one: Asked) -> Answer:
-    """By F-tests: the best cause is added, then what no longer counts is dropped."""
+    """Stepwise selection by F-tests: adds the best cause, then drops those that no longer count."""
     fits = _Fits(one)
     every = [each.name for each in fits.causes]
 

@@ -27,7 +27,7 @@ _IF = re.compile(rb"\bif \(")
 
 
 def mutations(file: str, source: bytes) -> Iterator[Mutation]:
-    """All that can be made in a file."""
+    """All mutations of a file."""
     bare = _IDLE.sub(lambda idle: re.sub(rb"[^\n]", b" ", idle[0]), source)
     found = [(*each.span(), _TURNED[each[0].decode()]) for each in _OPERATOR.finditer(bare)]
     found += [(*each.span(), "") for each in _SIGN.finditer(bare)]

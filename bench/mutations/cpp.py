@@ -198,7 +198,7 @@ def put(path: Path, text: str) -> None:
 
 
 def configure() -> None:
-    """As scikit-build-core does it for a wheel, but quicker to compile, and with the tests."""
+    """Configure as scikit-build-core does for a wheel, but quicker to compile, with the tests."""
     said = failure(
         *("-S", SOURCE, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Mutations"),
         "-DCMAKE_CXX_FLAGS_MUTATIONS=-O1 -fno-math-errno",
@@ -221,7 +221,7 @@ def build(*targets: str) -> str:
 
 
 def failure(*arguments: object) -> str:
-    """What CMake says where it fails."""
+    """Run CMake; its output if it fails, else nothing."""
     command = ["cmake", *map(str, arguments)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     return f"{' '.join(command)}\n{done.stdout}{done.stderr}" if done.returncode else ""

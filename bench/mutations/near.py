@@ -59,7 +59,7 @@ def _code(path: Path) -> str:
 
 @functools.cache
 def _rarity(root: Path) -> dict[str, float]:
-    """Of each word that tests and sources have: a word of few files says more of a place."""
+    """Weight of each word that tests and sources have: a word of few files says more of a place."""
     tests = [words for name, words in words_of_tests(root).items() if "::" not in name]
     sources = [_words(_code(path)) for path in (root / "python" / "stickslip").rglob("*.py")]
     sources += [_words(_code(path)) for path in (root / "cpp" / "stickslip").rglob("*.?pp")]

@@ -38,7 +38,7 @@ _LEAVES = ast.Return, ast.Raise, ast.Continue, ast.Break
 
 
 def mutations(file: str, source: bytes) -> Iterator[Mutation]:
-    """All that can be made in a file."""
+    """All mutations of a file."""
     starts = [0]
     for line in source.splitlines(keepends=True):
         starts.append(starts[-1] + len(line))

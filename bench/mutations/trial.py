@@ -56,9 +56,9 @@ class Copy:
     """A copy of the sources, in which one change at a time is tried."""
 
     folder: Path
-    """What stands for the project's folder."""
+    """The project's folder in the copy."""
     package: Path
-    """Where Python finds the package of the copy."""
+    """Folder in which Python finds the package of the copy."""
 
     def build(self) -> bool:
         """Make the package of the sources; whether there is one."""
@@ -94,7 +94,7 @@ def tests_of(mutation: Mutation) -> list[str]:
 
 
 class Trial:
-    """What the tests say of one change after the other."""
+    """Verdicts of the tests on one change after the other."""
 
     def __init__(self, copy: Copy, limit: float) -> None:
         self.copy, self.limit = copy, limit
@@ -149,9 +149,9 @@ class Trial:
 
 
 def limited(call: Callable[[], int], limit: float) -> tuple[int, str]:
-    """What `call` returns and prints in a fork, which is stopped well after its CPU seconds.
+    """Call in a fork, stopped well after its CPU seconds; what `call` returns and prints.
 
-    A fork has imported already what takes pytest seconds.
+    A fork has already imported what takes pytest seconds.
     """
     hard = int(limit) + _PATIENCE
 

@@ -24,7 +24,7 @@ TILTED = 1e-5  # rad, from where on the body stands on an edge
 
 @dataclass(frozen=True)
 class Settings:
-    """What a user of MuJoCo can choose.
+    """Settings that a user of MuJoCo can choose.
 
     timestep: ms. stiffness_time: time constant of the contact (solref), in time steps.
     damping_ratio: of the contact (solref). impedance: solimp, the same at any depth.

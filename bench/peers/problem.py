@@ -33,7 +33,7 @@ CENTRE = (0.25e-3, 0.11e-3)
 
 @dataclass(frozen=True)
 class Drive:
-    """What differs between the runs: peak and hold in T at the centre, frequency in Hz."""
+    """Settings that differ between runs: peak and hold in T at the centre, frequency in Hz."""
 
     peak: float = 2.5e-3
     frequency: float = 100.0

@@ -70,7 +70,7 @@ def _stick(body: Body, law, state: State):
 
 
 def _slip(body: Body, law, state: State, sign: int):
-    """The same of a corner that slips."""
+    """The same for a corner that slips."""
 
     def rhs(tau, y):
         px, vx, theta, omega = y.tolist()
@@ -94,7 +94,7 @@ def _slip(body: Body, law, state: State, sign: int):
 
 
 def _flight(body: Body, law, state: State):
-    """The same of a corner in the air."""
+    """The same for a corner in the air."""
 
     def rhs(tau, y):
         px, pz, theta, vx, vz, omega = y.tolist()

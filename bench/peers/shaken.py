@@ -22,7 +22,7 @@ TOLERANCES = [10.0**-k for k in range(3, 12)]
 
 
 def acceleration(t: float) -> float:
-    """Of the surface, m/s^2."""
+    """Acceleration of the surface, m/s^2."""
     total = 0.0
     for k, (size, phase) in enumerate(zip(AMPLITUDES, PHASES, strict=True), 1):
         rate = 2.0 * math.pi * FREQUENCY * k
@@ -69,7 +69,7 @@ def peer(method: str, rtol: float) -> float:
 
 
 def scenario(rtol: float) -> stickslip.Scenario:
-    """The same for the core."""
+    """The same problem for the core."""
     return stickslip.Scenario().replace(
         {
             "drive.mode": "none", "drive.pulses": PERIODS, "solver.rtol": rtol,
@@ -88,7 +88,7 @@ def velocity(rtol: float) -> float:
 
 
 def rows(repeats: int) -> list[dict]:
-    """Of each method: CPU time and error, beside those of the loosest tolerance as good."""
+    """Row of each method: CPU time and error, beside the loosest tolerance of the core as good."""
     exact = velocity(1e-13)
     own = {rtol: abs(velocity(rtol) / exact - 1.0) for rtol in TOLERANCES}
     result = []

@@ -32,15 +32,15 @@ _HEIGHT_ERROR = 0.2e-3
 """Error of a height at contact from which on the loss flattens, m. Chosen: below the scatter that
 is left, 0.3 mm, so that outliers hardly count."""
 _GROUPS = 10
-"""Of drops, for a jackknife. Chosen: each costs a fit of a fraction of a second."""
+"""Groups of drops for a jackknife. Chosen: each costs a fit of a fraction of a second."""
 _QUARTER = np.pi / 2
 
 
 @dataclass(frozen=True)
 class ContactGeometry:
-    """What the heights at contact say.
+    """Constants that the heights at contact tell.
 
-    angle_offset: What is read too much of theta, against the plate, rad. plate: Height of the
+    angle_offset: Error of theta as read, against the plate, rad. plate: Height of the
     plate at x = `ABOUT`, m. slope: Its rise by x. middle_x, middle_z: The square's middle from
     its centre of mass, m, in the body's axes. rounding: Radius of its corners, m: a rounded
     square touches as one whose corners lie at `SIDE` / 2 - rounding does on a plate that is

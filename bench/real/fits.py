@@ -28,12 +28,12 @@ VARIANTS: dict[str, dict[str, float]] = {
     "no tangential restitution": {"tangential_restitution": 0.0},
     "neither": {"lean": 0.0, "tangential_restitution": 0.0},
 }
-"""Constants of impact that are held, by the name of what is tried."""
+"""Constants of impact that are held, by the name of the trial."""
 
 _FRAMES_NEEDED = 20
-"""After the last free frame. Chosen: `errors_at` reads 17 of them, and a few are to spare."""
+"""Frames after the last free one. Chosen: `errors_at` reads 17 of them, a few are to spare."""
 _GROUPS = 5
-"""Of drops, for a jackknife. Chosen: each costs a fit of the impacts, the longest part."""
+"""Groups of drops for a jackknife. Chosen: each costs a fit of the impacts, the longest part."""
 
 
 @dataclass(frozen=True)

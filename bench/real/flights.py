@@ -67,7 +67,7 @@ def read_drops(path: Path) -> Drops:
 
 @dataclass(frozen=True)
 class FlightConstants:
-    """What free flights depend on.
+    """Constants of free flights.
 
     drag, spin_drag: Rates at which velocity and spin die away, 1/s. gravity_x, gravity_z:
     m/s^2, in the camera's axes. marker_x, marker_z: The marker from the centre of mass, m, in

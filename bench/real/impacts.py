@@ -21,7 +21,7 @@ from .flights import Drops, find_flights, fit_flights
 from .score import Truth, with_absent
 
 Posed = tuple[Callable[..., np.ndarray], list[Table], list[Parameter], list[Cause]]
-"""What `stickslip.diagnose_model` takes: the model, a table of each kind of observable, constants
+"""Arguments of `stickslip.diagnose_model`: the model, a table of each kind of observable, constants
 and causes."""
 Values = dict[str, np.ndarray]
 
@@ -62,7 +62,7 @@ _SCANNED, _STARTS = 4096, 16
 """Points of the priors that are looked at, and the likeliest of them, where searches begin. Chosen:
 five of the sixteen and more end in the likeliest minimum, of 28 drops and of 250."""
 _ROUNDS, _SETTLED = 20, 1e-3
-"""Of fit and errors at most, and the change of the log-likelihood after which there is none."""
+"""Most rounds of fit and errors, and the change of the log-likelihood below which they end."""
 _RANGE, _STEP = 6.0, 1e-3
 """Largest coordinate of a constant in that fit, and how far inside it begins. Chosen: six standard
 deviations of a prior, and a step that is nothing beside one."""
@@ -283,7 +283,7 @@ def robust_fit(
 
 
 def _problem(pose: Callable[[Impacts, np.ndarray], Posed], impacts: Impacts) -> Problem:
-    """Of residuals in their own unit, and of no law of the errors."""
+    """Problem whose residuals are in their own unit, without a law of the errors."""
     predict, table, *rest = pose(impacts, np.ones(3))
     return model.posed(table, predict, *rest)
 

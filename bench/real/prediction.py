@@ -1,4 +1,4 @@
-"""What the core makes of the first free frames of a drop, and constants of its law of impact."""
+"""Motion that the core predicts from a drop's first free frames, and its constants of impact."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _STILL = Drive(mode="program", program=Waveform.hold(1.0, {}))
 
 @dataclass(frozen=True)
 class ImpactConstants:
-    """What is fitted to the motion after the first contact.
+    """Constants that are fitted to the motion after the first contact.
 
     restitution, friction, tangential_restitution: See `stickslip.Contact`; static and kinetic
     friction are the same. side: Of the square that the core simulates, m: its corners lie where
@@ -70,7 +70,7 @@ class Model:
 
     @property
     def offset(self) -> float:
-        """What the reading has beyond the angle of the simulated square, rad."""
+        """Reading of theta less the angle of the simulated square, rad."""
         return self.geometry.angle_offset - self.impact.lean
 
     def scenario(self) -> Scenario:
@@ -168,7 +168,7 @@ def predict(model: Model, begin: Starts, frames: int) -> np.ndarray:
 
 
 def time_to_contact(model: Model, begin: Starts) -> np.ndarray:
-    """From the last free frame to the first contact, s; at most three frames."""
+    """Time from the last free frame to the first contact, s; at most three frames."""
     since = np.linspace(0.0, 3.0 * FRAME, 301)
     rows = at_plate(model, begin.state)
     way, fallen, turned = model.flight.travel(since)
@@ -252,7 +252,7 @@ def fit_impacts(
 
 
 def first_guess(flight: FlightConstants, geometry: ContactGeometry) -> Model:
-    """From which a fit begins: corners and plate as the heights at contact say."""
+    """Start of a fit: corners and plate from the heights at contact."""
     height = geometry.plate + geometry.rounding - geometry.slope * ABOUT
     side = SIDE - 2.0 * geometry.rounding
     return Model(flight, geometry, ImpactConstants(0.45, 0.09, 0.5, side, height, 0.0))

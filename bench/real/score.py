@@ -1,4 +1,4 @@
-"""What a diagnosis of a measured set is worth beside what is known of it."""
+"""Score of a diagnosis of a measured set beside the known truth."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _MOST_SHOWN = 4
 
 @dataclass(frozen=True)
 class Truth:
-    """What is known of a set without the diagnosis.
+    """Truth of a set, known without the diagnosis.
 
     present, possible: Causes that act for certain, and further ones of which it is not known
     whether they do. values: Parameters that are known, each by its value and standard
@@ -174,7 +174,7 @@ def _far_off(result: Diagnosis, truth: Truth) -> list[str]:
 
 
 def _found(result: Diagnosis) -> str:
-    """What is claimed, or comes nearest."""
+    """Words on the causes that are claimed, or that come nearest."""
     causes, leader = result.verdict.causes, result.verdict.leader
     if not causes:
         return "-" if leader is None else f"nearest: {leader.name}"
@@ -183,7 +183,7 @@ def _found(result: Diagnosis) -> str:
 
 
 def _size(result: Diagnosis, truth: Truth) -> str:
-    """Estimates of what is known, by the model that is claimed or nearest."""
+    """Estimates of known parameters by the model that is claimed or nearest."""
     verdict = result.verdict
     fit = verdict.fit or verdict.leader
     if fit is None:

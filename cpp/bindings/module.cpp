@@ -16,7 +16,7 @@ PYBIND11_MODULE(_core, module, py::mod_gil_not_used()) {
     module.attr("has_arkode") = stickslip::has_method(stickslip::Method::arkode);
 
     using namespace stickslip::bindings;
-    // What the core refuses, the package refuses.
+    // A refusal of the core becomes a ScenarioError of the package.
     py::register_local_exception_translator([](std::exception_ptr thrown) {
         try {
             std::rethrow_exception(thrown);

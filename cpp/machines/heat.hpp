@@ -91,11 +91,11 @@ private:
     // Turns of three stores' modes, after which the rest is below rounding; rounds of substitution
     // in a step; and halvings of a step.
     static constexpr std::size_t kTurns = 24, kRounds = 12, kHalvings = 20;
-    // Change of the heat of a flow in the last round, and that of its last power, over what is
-    // stored, from which a step is halved; lengths that are the same. Chosen: ends hold to 1e-9.
+    // Changes of a flow's heat in the last round, and of its last power, over the stored heat, from
+    // which a step is halved; tolerance of equal lengths. Chosen: ends hold to 1e-9.
     static constexpr double kSettled = 1e-12, kBent = 2e-8, kAlike = 1e-9;
 
-    // Of steps of one length.
+    // Weights for steps of one length.
     struct Weights {
         double step = 0.0;                                            // s
         std::array<Points, kStates> left = {};                        // of a mode, at each point

@@ -8,7 +8,7 @@ namespace machines {
 namespace {
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
-// Of gap and place: within it a mass that has just left has not come again.
+// Relative tolerance of gap and place: within it a mass that has just left has not come again.
 constexpr double kRounding = 1e-12;
 
 int sign(double value) {

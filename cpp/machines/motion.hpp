@@ -78,13 +78,13 @@ public:
 
 protected:
     double fastest_at(double x, double v, double u) const;
-    /// All that acts at the motor, but friction that depends on the sign of the motion.
+    /// Sum of what acts at the motor, but for friction that depends on the sign of the motion.
     double driving(double x, double v, double u) const;
-    /// What the load resists.
+    /// Resistance of the load at `x`.
     double loading(double x) const;
-    /// What acts against a motion of the sign `s`.
+    /// Friction against a motion of the sign `s`.
     double friction(double v, int s) const;
-    /// How much more friction would hold at rest.
+    /// Reserve of friction at rest: the limit less |force|.
     double held(double force) const;
     /// The sign of the motion that begins at rest; 0 where friction holds.
     int way(double force) const;

@@ -22,7 +22,7 @@ struct Named {
     double Terms::*value;
 };
 
-/// Inputs now, and their slopes, 1/s.
+/// Inputs now, and their slopes, per s.
 template <std::size_t N>
 struct Lines {
     std::array<double, N> value = {}, slope = {};
@@ -87,7 +87,7 @@ public:
     /// Whether the motion was followed as far as it was asked for.
     bool is_followed() const { return left_ >= 0.0; }
 
-    /// After lines of the inputs for `gap` s.
+    /// State and mode after `gap` s, over which the inputs change linearly.
     Point advanced(Point from, Inputs u, double gap) {
         Point now = system_.driven(from.first, u.value, from.second);
         const double turns = system_.linear ? 0.0 : gap * system_.fastest;
@@ -180,7 +180,7 @@ private:
         return result;
     }
 
-    // What takes state, one, inputs and twice their rises to the state after h s.
+    // Transition matrix from state, one, inputs and twice their rises to the state after h s.
     Rows rows(const Mode& mode, double h) const {
         Rows generator = {};
         const auto of = [&](std::size_t unit) {
@@ -295,7 +295,7 @@ private:
         for (; event < kEvents; ++event) {
             double within = h, below = margin(end, u.at(h)), low = 0.0;
             if (!(below < 0.0)) {
-                // What ends a phase may turn before the end, and the phase has ended before.
+                // The function that ends a phase may turn within the step, after its zero.
                 const auto rises = system_.falls(end, u.at(h), u.slope, now.second);
                 bool ends = false;
                 for (std::size_t k = 0; k < rises.size(); ++k) {
@@ -357,7 +357,7 @@ private:
         return {time, met};
     }
 
-    // Of whole steps, whose lengths are mostly one.
+    // Transition matrices of whole steps, most of which have one length.
     struct Known {
         Mode mode;
         double step;

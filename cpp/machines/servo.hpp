@@ -158,10 +158,10 @@ private:
         return mode;
     }
 
-    // Of the speed of the Stribeck effect: beyond it nothing of that is left. Chosen: exp(-16).
+    // Speed over that of the Stribeck effect beyond which none of it is left. Chosen: exp(-16).
     static constexpr double kSlow = 4.0;
 
-    /// The largest eigenvalue at least, with this share of the inertia.
+    /// Upper bound on the magnitude of the eigenvalues, 1/s, with this share of the inertia.
     double turns(double supply, double motor) const {
         const double pulls = c.strength * std::abs(supply) * (1.0 + c.gear);
         const double stiff = std::abs(c.gravity) + pulls * c.gain;

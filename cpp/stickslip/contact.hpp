@@ -12,7 +12,7 @@
 #include "stickslip/contact/plane_dynamics.hpp"
 #include "stickslip/contact/turning_frame.hpp"
 
-/// What a contact does: sticks, slips, flies, meets the surface.
+/// Mechanics of the contact: sticking, slipping, flight, impact.
 ///
 /// - dynamics: force and torque on the body; plane_dynamics: the same along a heading, and across
 /// - frame, turning_frame: the plane of motion, fixed or turning with the field

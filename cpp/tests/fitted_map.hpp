@@ -46,7 +46,7 @@ inline std::shared_ptr<const FieldMap> fitted_map(const CoilSet& coils, const Bo
     return std::make_shared<const FieldMap>(box, coefficients);
 }
 
-/// That of Table I in a box of 8 mm x 4 mm x 4 mm.
+/// Map of the coils of Table I in a box of 8 mm x 4 mm x 4 mm.
 inline std::shared_ptr<const FieldMap> paper_map() {
     static const std::shared_ptr<const FieldMap> map =
         fitted_map(CoilSet(), {{-0.004, -0.002, -0.002}, {0.004, 0.002, 0.002}}, 6);

@@ -4,7 +4,7 @@
 #include "stickslip/run/summary.hpp"
 #include "stickslip/scenario/scenario.hpp"
 
-/// What the tests of the whole plane share.
+/// Scenarios that the tests of the whole plane share.
 namespace stickslip::test {
 
 inline Scenario walking(double heading = 0.0) {

@@ -7,7 +7,7 @@
 #include "stickslip/contact/dynamics.hpp"
 #include "stickslip/run/assembly.hpp"
 
-/// What several test files share.
+/// Helpers that several test files share.
 namespace stickslip::test {
 
 /// Relative rounding of one operation.
@@ -40,7 +40,7 @@ private:
     std::mt19937_64 generator_;
 };
 
-/// Of all coils, A.
+/// Random currents of all coils, A.
 inline PerCoil random_currents(Random& random) {
     PerCoil currents;
     for (double& current : currents) current = random.between(-7.0, 7.0);

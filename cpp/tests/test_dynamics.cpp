@@ -19,7 +19,7 @@ TEST_CASE("pose: that of the C library but for rounding, in every quadrant and t
              {-0.1, 0.0, 1e-9, 0.4, 0.785, 1.2, kQuarterTurn, 1.68, 1.69, -0.12, 3.0, -40.0}) {
             const Pose pose = dynamics.pose(angle);
             const Pose direct = model.pose(quadrant, angle);
-            // That of `cosine_and_sine`, and what an angle of 40 loses; then two roundings.
+            // Errors of `cosine_and_sine` and of an angle as large as 40; then two roundings.
             const double tolerance = (4.0 + std::abs(angle)) * kRounding;
             CHECK(std::abs(pose.cosine - direct.cosine) < tolerance);
             CHECK(std::abs(pose.sine - direct.sine) < tolerance);

@@ -117,8 +117,8 @@ TEST_CASE("local field: within 1e-9 of the full sum inside its reach") {
 }
 
 TEST_CASE("local field: in the working volume the gradient is within 1e-8") {
-    // Of 2.5 cm, section IV-B. By the bound above (1.5e-4/0.103)^3 = 3e-9 of B/rho, times 4 and the
-    // constants; a coil's gradient is 2.3 to 3 B/rho there.
+    // The volume has 2.5 cm, section IV-B. By the bound above (1.5e-4/0.103)^3 = 3e-9 of B/rho,
+    // times 4 and the constants; a coil's gradient is 2.3 to 3 B/rho there.
     Random random(3);
     for (int n = 0; n < 1000; ++n) {
         const PerCoil currents = random_currents(random);
@@ -207,7 +207,7 @@ TEST_CASE("local field: currents that change, whatever the base time of the expo
     for (int n = 0; n < 2000; ++n) {
         const double base = random.between(0.0, 0.1);
         field.rebase({x, z});
-        // Of either size as against 1/32 of a time constant, below which a series is used.
+        // Spans below and above 1/32 of a time constant, below which a series is used.
         const double span = random.coin() ? 1e-4 : 0.02;
         const double tau = std::clamp(base + random.between(-span, span), 0.0, 0.1);
         const FullSum full = full_sum(segment.field_currents(tau), x, z);
@@ -293,7 +293,7 @@ TEST_CASE("spatial field: turned by a quarter turn with its coils it has the sam
     Random random(4);
     for (int n = 0; n < 50; ++n) {
         const PerCoil i = random_currents(random);
-        // What xp did yp does, and xm what yp did, whose positive current points the other way.
+        // yp takes the part of xp, and xm that of yp, whose positive current points the other way.
         const PerCoil turned = {-i[3], -i[2], i[0], i[1], i[4]};
         SpatialField field = field_of(i, {1e-5, 2e-5, 3e-5});
         SpatialField quarter = field_of(turned, {-2e-5, 1e-5, 3e-5});

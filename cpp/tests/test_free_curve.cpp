@@ -43,7 +43,7 @@ TEST_CASE("free curve: its slope is its derivative and does not jump at a knot")
         const FreeCurve curve(shape);
         const double low = reach == FreeReach::both_ways ? -1.2 : 0.01;
         const double h = 1e-4 * shape.span;
-        // Of a cubic that spans 10 over a fifth of the span: its second and third derivatives.
+        // Second and third derivatives of a cubic that spans 10 over a fifth of the span.
         const double bend = 6.0 * 10.0 * 25.0, jerk = 12.0 * 10.0 * 125.0;
         for (int n = 0; n < 200; ++n) {
             const double at = shape.span * random.between(low, 1.2);

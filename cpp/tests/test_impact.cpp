@@ -12,10 +12,10 @@ namespace {
 
 // Roundings of velocities of up to 1 m/s, and of 1e4 rad/s times 135 um.
 constexpr double kSpeedTolerance = 1e-13;
-// Of the kinetic energy, which is a sum of squares of those velocities.
+// Relative tolerance of the kinetic energy, a sum of squares of those velocities.
 constexpr double kEnergyTolerance = 1e-11;
 
-// Of the kinetic energy after an impulse of nearly nothing.
+// Relative rounding of the kinetic energy after an impulse of nearly nothing.
 constexpr double kEnergyRounding = 1e-14;
 
 double impulse_tolerance(const Model& model) {
@@ -77,7 +77,7 @@ void check_face_impact(const FaceImpact& impact) {
         CHECK(std::abs(impulse.tangential + sign * limit) <= small);
     }
 
-    // What touches afterwards.
+    // The contact afterwards.
     const double ahead = after.vz - after.omega * impact.base;
     const double behind = after.vz + after.omega * impact.base;
     if (result.touch == Touch::face) {
@@ -346,7 +346,7 @@ TEST_CASE("stop impact: restitution, momentum, Coulomb's cone and energy, whatev
         const ImpactResult result = stop_impact(model, pose, before, touch, slips, strike);
         const BodyState& after = result.body;
 
-        // What the mass has lost, the body has gained, and more by the surface.
+        // The body gains the momentum that the mass loses, and more from the surface.
         const auto along = [&](const BodyState& body) {
             return body.vx * strike.x + body.vz * strike.z;
         };

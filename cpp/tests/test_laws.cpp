@@ -112,7 +112,7 @@ double form_of(const Law& law, const Motion& m) {
     return FreeCurve(law.curve).at(argument_of(law, m));
 }
 
-/// What laws act on, of sizes near one.
+/// Quantities that laws act on, of magnitudes near one.
 struct Values {
     double sticks, slips, adhesion, drag, rotational_drag;
 };

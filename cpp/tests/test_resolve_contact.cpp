@@ -35,7 +35,7 @@ Acceleration accelerations(const Model& model, const Load& load, double height, 
     return {fx / model.mass, fz / model.mass, torque / model.inertia};
 }
 
-// Of the corner at (lever, -height) along z. Its own centripetal part points up.
+// Acceleration along z of the corner at (lever, -height). Its centripetal part points up.
 double gap_acceleration(const Acceleration& a, double omega, double lever, double height) {
     return a.z - a.angular * lever + omega * omega * height;
 }
@@ -133,7 +133,7 @@ void check_consistent(const Draw& draw, Dynamics& dynamics, Touch touch, const R
     }
     if (found.mode.touch == Touch::none) {
         ++tally.flight;
-        // What touched must not go into the surface once it is let go.
+        // A corner that touched must not go into the surface once it is let go.
         const Acceleration free = accelerations(model, load, pose.height, 0.0, {});
         CHECK(gap_acceleration(free, body.omega, pose.lever_arm, pose.height) >=
               -8.0 * tolerance * per_mass);

@@ -17,7 +17,7 @@ TEST_CASE("rest: after a jump of the voltage the event lies in the first time co
     Circuit circuit = test::equal_coils(kResistance, kResistance * kTimeConstant, 0.0);
     const PerCoil volts = {0.0, 0.0, 0.0, 0.0, kVolts};
     const CurrentSegment segment = circuit.advance({0.0, 100.0, volts, volts});
-    // What the end behind carries less for each ampere, from Eqs. (8)-(12).
+    // Load lost by the rear end per ampere, from Eqs. (8)-(12).
     const double base = model.shape.half_base(0), rise = model.shape.half_rise(0);
     const FieldAndGradient unit = paper_coils().unit_field(Coil::clamp, {0.0, 0.0, rise});
     const double tipping = (rise * unit.gradient(0, 0) - unit.field.z()) / (2.0 * base);
@@ -39,6 +39,6 @@ TEST_CASE("rest: after a jump of the voltage the event lies in the first time co
     const auto end = Tsit5(options).advance(rest, memory, 0.0, segment.duration, rest.begin(flat),
                                             [](auto&&...) { return kGoesOn; });
     CHECK(end.event == Event::behind_lifts);
-    // Of a step no longer than T.
+    // Resolution of a root in a step no longer than T.
     CHECK(std::abs(end.tau - expected) < 4e-12 * kTimeConstant);
 }

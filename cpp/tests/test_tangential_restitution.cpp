@@ -11,7 +11,7 @@ namespace {
 
 // Roundings of velocities of up to 1 m/s, and of 1e4 rad/s times 135 um.
 constexpr double kSpeedTolerance = 1e-13;
-// Of the kinetic energy, which is a sum of squares of those velocities.
+// Relative tolerance of the kinetic energy, a sum of squares of those velocities.
 constexpr double kEnergyTolerance = 1e-11;
 
 }  // namespace
@@ -30,7 +30,7 @@ TEST_CASE("corner impact: the slip is reversed in part, or friction is at its li
 
         const double rebound = -corner_velocity_z(pose, after.vz, after.omega) /
                                corner_velocity_z(pose, before.vz, before.omega);
-        // Of both restitutions; less than one only where all energy was kept.
+        // Factor on both restitutions; less than one only where all energy was kept.
         const double part = rebound / model.restitution;
         CHECK(part <= 1.0 + 1e-9);
         if (part < 1.0 - 1e-9) {

@@ -1,4 +1,4 @@
-// What the page to play with asks of the core, by Embind.
+// Functions of the core for the page to play with, by Embind.
 
 #include <emscripten/bind.h>
 
@@ -48,7 +48,7 @@ void add_magnetic_force(const Scenario& scenario, const Recording& record, val& 
     const double sign = model.frame.sign;
     const Coil driven = sign > 0.0 ? Coil::xp : Coil::xm;
     const Coil behind = sign > 0.0 ? Coil::xm : Coil::xp;
-    // Of a pair, both coils make the same field at the centre.
+    // Both coils of a pair make the same field at the centre.
     const double of_behind =
         scenario.drive.coils == DriveCoils::pairs
             ? coils.centre_field_per_ampere(driven) / coils.centre_field_per_ampere(behind)
@@ -83,7 +83,7 @@ void add_magnetic_force(const Scenario& scenario, const Recording& record, val& 
     out.set("misalignment", model.misalignment);
 }
 
-/// What `make` gives, or {error: what a scenario is refused for}.
+/// The result of `make`, or {error: why the scenario is refused}.
 template <class Make>
 val or_error(Make make) {
     try {
@@ -151,8 +151,8 @@ val measure(const val& changes) {
     });
 }
 
-/// What is to be said of a run, which `play` or `measure` gave: its notes, in words that `wording`
-/// finds as `Wording` does, whether it moves, and whether it goes back.
+/// Judgement of a run that `play` or `measure` gave: its notes, in words that `wording` finds as
+/// `Wording` does, whether it moves, and whether it goes back.
 val notes(const val& changes, const val& run, const val& wording) {
     return or_error([&] {
         Scenario scenario;
@@ -209,7 +209,7 @@ val describe(const std::string& key) {
     });
 }
 
-/// What a named extension does; empty for an unknown one.
+/// Meaning of a named extension; empty for an unknown one.
 std::string effect_meaning(const std::string& name) {
     for (const EffectDescription& each : effects()) {
         if (name == each.name) return each.meaning;

@@ -1,4 +1,4 @@
-"""What the data cannot tell: made sets, of which it is known by the way they were made."""
+"""Limits of the data: made sets, of which is known what they cannot tell."""
 
 import sys
 from pathlib import Path
@@ -37,7 +37,7 @@ def test_twins_that_the_data_part_have_the_reading_that_does():
 
 @pytest.mark.nightly
 def test_what_is_said_of_a_hundred_sets_is_right():
-    """What `python -m bench untold` counts, of other seeds."""
+    """Counts of `python -m bench untold`, for other seeds."""
     seeds = range(1, 5)
     told = [is_told(kind, *made(kind, False, seed)) for kind in KINDS for seed in seeds]
     wrong = [is_more_told(made(kind, True, seed)[0]) for kind in KINDS for seed in seeds]

@@ -1,4 +1,4 @@
-"""What changed between two logs, or two measurements of a walker."""
+"""Changes between two logs, or two measurements of a walker."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""What is wrong with data is said before any cause is blamed, and sound data pass."""
+"""Faults of data are reported before any cause is blamed, and sound data pass."""
 
 import re
 from itertools import pairwise
@@ -34,7 +34,7 @@ def problem(table):
 
 
 def remarks(table):
-    """What is remarked of the readings, and not of the stated model's runs."""
+    """Remarks on the readings, without those on the stated model's runs."""
     return [each for each in table.remarks() if each.code in ("stands-still", "few-pulses")]
 
 

@@ -34,7 +34,7 @@ from stickslip.walker.problem import drawing, posed_by, vocabulary
 from toys import LEVEL, SLOPE, STEP, WAVE, data, line, problem
 
 KEYS = reference().keys()
-"""What the reference says of report.json."""
+"""Keys of report.json, from the reference."""
 
 
 @pytest.fixture(scope="module")

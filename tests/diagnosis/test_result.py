@@ -13,7 +13,7 @@ from toys import LEVEL, SLOPE, WAVE, data, line
 
 
 def columns(x, count):
-    """What each parameter adds to a reading, the model being linear, shape (len(x), count)."""
+    """Derivatives of the readings by each parameter of the linear model, shape (len(x), count)."""
     return np.stack([made.predict(x, row[None])[0] for row in np.eye(5)[:count]], axis=1)
 
 

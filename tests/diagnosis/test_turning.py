@@ -36,7 +36,7 @@ def relaxed(series, p):
 
 
 def readings(u, causes, values):
-    """What the model says without errors; `values` by name, 0 where none is given."""
+    """Readings of the model without errors; `values` by name, 0 where none is given."""
     names = ["gain", *(one.name for cause in causes for one in cause.parameters)]
     record = Series(TIMES, TIMES, {"u": u}, sd=1.0)
     row = np.array([[values.get(name, 0.0) for name in names]])

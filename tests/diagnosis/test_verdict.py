@@ -23,7 +23,7 @@ ALONE = (WAVE, STEP, BEND)
 
 
 def extra(**sizes):
-    """What causes of these sizes add to the line."""
+    """Sum of the effects of causes of these sizes, to be added to the line."""
     added = {name.partition(".")[0]: shape for name, shape in shapes(X).items()}
     return sum(size * added[name] for name, size in sizes.items())
 

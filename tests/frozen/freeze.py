@@ -52,7 +52,7 @@ NUDGES = (1.0 + 2.0**-51, 1.0 - 2.0**-50)
 
 
 class Frozen(NamedTuple):
-    """What is kept of a run: how it ended, its numbers by field, and its answer to rounding."""
+    """Record of a frozen run: its status, its numbers by field, and its sensitivity to rounding."""
 
     status: str
     numbers: Mapping[str, float]
@@ -60,7 +60,7 @@ class Frozen(NamedTuple):
 
 
 def of_run(run: Run) -> Frozen:
-    """What is kept of a run, without its answer to rounding."""
+    """Record of a run, without its sensitivity to rounding."""
     summary = run.summary()
     events = {**summary["events"], "painleve": summary["painleve_events"]}
     values = (
@@ -81,7 +81,7 @@ def simulated(chosen: Mapping[str, Scenario], factor: float = 1.0) -> dict[str, 
 
 
 def with_spread(chosen: Mapping[str, Scenario]) -> dict[str, Frozen]:
-    """The same with their answers to rounding."""
+    """The same with their sensitivities to rounding."""
     result = simulated(chosen)
     for factor in NUDGES:
         for name, other in simulated(chosen, factor).items():
@@ -112,7 +112,7 @@ def differences(found: Frozen, expected: Frozen) -> dict[str, float]:
 def changes(
     found: Mapping[str, Frozen], expected: Mapping[str, Frozen], to_the_bit: bool
 ) -> Iterator[str]:
-    """What changed, a line each, of the runs in `found`."""
+    """Changes of the runs in `found`, a line each."""
     for name, run in found.items():
         other = expected.get(name)
         if other is None:
@@ -139,7 +139,7 @@ def changes(
 
 
 def machine() -> dict[str, str]:
-    """What bits depend on: processor, mathematics library (how it rounds), compiler, steps."""
+    """Facts on which bits depend: processor, rounding of the mathematics, compiler, steps."""
     values = [
         function(0.37 * k)
         for k in range(1, 500)
@@ -176,7 +176,7 @@ def _text(value: float) -> str:
 
 
 def read() -> tuple[dict[str, str], dict[str, Frozen]]:
-    """On which machine, and the runs by name."""
+    """The machine of the frozen runs, and the runs by name."""
     header, *lines = map(json.loads, FILE.read_text().splitlines())
     runs = {}
     for name, status, spread, numbers in lines:

@@ -99,7 +99,7 @@ def _effects(draw: Draw, count: int) -> Keys:
 
 
 def _across(draw: Draw) -> Keys:
-    """What takes a drive into the whole plane, and leaves a field that holds the heading."""
+    """Keys that take a drive into the whole plane, and leave a field that holds the heading."""
     kind = draw.word("heading", "ambient", "tilt")
     keys: Keys = {"drive.base": 0.4e-3}
     if kind == "heading":
@@ -303,7 +303,7 @@ def register_own_effect() -> None:
 
 
 def scenarios() -> dict[str, Scenario]:
-    """All by name. The effect of one's own has to be registered."""
+    """All scenarios by name. The effect of one's own has to be registered."""
     result = {}
     for row, across in itertools.product(effect_table.rows(), (False, True)):
         if row not in effect_table.OWN and (across or row not in effect_table.ACROSS):

@@ -23,7 +23,7 @@ LANDINGS, LEAVINGS, SLIPS, NEWTON_FAILED, UNSOLVED, STEPS, COUNTS = range(7)
 
 
 def new_memory():
-    """What corners remember from step to step; flat on the plane, the four bottom corners stick.
+    """Memory of the corners between steps; flat on the plane, the four bottom corners stick.
 
     touching, slipping (8,) flags; slip (8, 2) m/s, velocity of a slipping corner; impulse (8, 3)
     N s in the last step, and the length of that, (1,) s.
@@ -117,7 +117,7 @@ def _adhesion(step, memory, hold):
 
 @inner
 def _add_impulse(velocity, spin, lightness, turning, impulse, moment):
-    """What an impulse N s and its moment N m s do to velocity and spin, in place."""
+    """Add an impulse (N s) and its moment (N m s) to velocity and spin, in place."""
     for i in range(3):
         velocity[i] += lightness * impulse[i]
         spin[i] += turning[i, 0] * moment[0] + turning[i, 1] * moment[1] + turning[i, 2] * moment[2]

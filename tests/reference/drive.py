@@ -124,7 +124,7 @@ def voltages_of(drive: dict) -> Voltages:
 
 
 def clipped(volts: Voltages, limit: float) -> Voltages:
-    """What amplifiers give that clip at +-limit, V."""
+    """Voltages of amplifiers that clip at +-limit, V."""
     start, level, slope = [], [], []
     ends = np.append(volts.start[1:], np.inf)
     for begin, end, first, rate in zip(volts.start, ends, volts.level, volts.slope, strict=True):

@@ -1,4 +1,4 @@
-"""What extends the model: names, parameters and forms of the effects, and the kernel's constants.
+"""Extensions of the model: names, parameters and forms of effects, and the kernel's constants.
 
 Names and meanings are those of `stickslip effects`; a form that is a matter of choice is a word of
 the effect (`form`, `power`), and the library's form is one of the words.

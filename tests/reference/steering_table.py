@@ -123,7 +123,7 @@ def result_of(arguments: dict) -> dict:
 
 
 def entry_of(name: str, arguments: dict) -> dict:
-    """What the file tells about one walk: everything that `walk` needs, and what came out."""
+    """Entry of one walk in the file: all arguments of `walk`, and its result."""
     heading = arguments["heading"]
     given = {
         "drive": complete_drive(arguments["drive"]),

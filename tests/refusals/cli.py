@@ -1,4 +1,4 @@
-"""What the command refuses: its arguments, with other files than usual where these are bad."""
+"""Refusals of the command: its arguments, with other files than usual where these are bad."""
 
 from command_line import check, stickslip
 

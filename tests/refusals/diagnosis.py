@@ -1,4 +1,4 @@
-"""What a diagnosis, its data, terms and result are not: name, what is done, error, words."""
+"""Refusals of a diagnosis, its data, terms and result: name, call, error, words."""
 
 import functools
 import math

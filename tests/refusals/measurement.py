@@ -1,4 +1,4 @@
-"""What measurements, their tables and tracks are not: name, what is done, error, words."""
+"""Refusals of measurements, their tables and tracks: name, call, error, words."""
 
 from functools import partial
 

@@ -1,4 +1,4 @@
-"""What pictures refuse: name, what is done in an empty folder, error, words."""
+"""Refusals of pictures: name, call in an empty folder, error, words."""
 
 import functools
 import math

@@ -1,4 +1,4 @@
-"""What a scenario, its files, its effects and a field map are not."""
+"""Refusals of a scenario, its files, its effects and a field map."""
 
 import ctypes
 import math
@@ -76,7 +76,7 @@ def of_measured_coil(_, given):
 
 
 def of_fluid(_, given):
-    """What the robot of Table II is put into."""
+    """The robot of Table II in a fluid."""
     Scenario().in_fluid(**given)
 
 
@@ -103,12 +103,12 @@ def of_hold(_, given):
 
 
 def of_uncertain(_, table):
-    """What is uncertain."""
+    """A scenario with a table of uncertain parameters."""
     Scenario(uncertain=table)
 
 
 def of_uncertain_file(folder, text):
-    """A file with what is uncertain."""
+    """A file with uncertain parameters."""
     (folder / "u.toml").write_text(text)
     with_uncertain_of(Scenario(), folder / "u.toml")
 
@@ -200,7 +200,7 @@ def parameter(**changes):
 
 @cfunc("float64(float64)")
 def of_one_number(x):
-    """What no effect is."""
+    """A function that is no effect."""
     return x
 
 

@@ -1,4 +1,4 @@
-"""What `stickslip.simulation` refuses: name, call with a folder, error, words of its one line."""
+"""Refusals of `stickslip.simulation`: name, call with a folder, error, words of its one line."""
 
 import math
 

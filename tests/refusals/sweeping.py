@@ -1,4 +1,4 @@
-"""What sweeps and predictions refuse: name, what is done in an empty folder, error, words."""
+"""Refusals of sweeps and predictions: name, call in an empty folder, error, words."""
 
 import itertools
 from functools import partial

@@ -55,7 +55,7 @@ std::vector<RunResult> simulate_batch(const std::vector<Scenario>& scenarios, in
                                       RunControl& control, const std::function<void()>& poll,
                                       std::optional<StopCondition> stop = std::nullopt);
 
-/// What a sweep keeps of one point.
+/// Result of one point of a sweep.
 struct SweepPoint {
     Status status = Status::ok;
     bool refused = false;  ///< the point's values make no scenario; `message` says why

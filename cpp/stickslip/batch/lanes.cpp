@@ -90,7 +90,7 @@ private:
         });
     }
 
-    // What only one run can do: accepts the attempt or not, looks for events.
+    // Finishes the attempt of one run outside its pack: accepts it or not, looks for events.
     Attempt finish(Lane& lane, std::size_t place, const StepRound& round) {
         Attempt found = Attempt::step;
         with_phase(lane, [&](Phase& phase) {

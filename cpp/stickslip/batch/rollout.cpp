@@ -26,7 +26,7 @@ void require_tsit5(const Scenario& scenario) {
     }
 }
 
-// What a refusal says is of a run of several.
+// Calls, and names the run of several in the message of a refusal.
 auto of_run(std::size_t run, auto&& call) {
     try {
         return call();

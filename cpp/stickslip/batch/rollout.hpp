@@ -24,7 +24,7 @@ struct ControlRows {
     bool linear = false;
 };
 
-/// Where states go: the values of some columns of `kStateColumns`.
+/// Destination of states: the values of some columns of `kStateColumns`.
 struct StateOutput {
     double* values = nullptr;  ///< runs x steps x columns
     std::vector<std::size_t> columns;
@@ -71,7 +71,7 @@ private:
     RunControl control_;
     std::vector<std::unique_ptr<Simulator>> runs_;
     std::vector<unsigned char> played_;  // whether each run is at the end of the step
-    // Of the last step, s a simulated second; none was made yet.
+    // Wall time of the last step, s per simulated second of a run; infinite before the first.
     double cost_ = std::numeric_limits<double>::infinity();
 };
 

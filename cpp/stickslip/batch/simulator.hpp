@@ -9,8 +9,8 @@
 
 namespace stickslip {
 
-/// A hash of all that moves the robot, without the initial state, but for its currents, and without
-/// the record: two scenarios of one hash can exchange snapshots.
+/// Hash of all that moves the robot, initial currents included, without the initial state and the
+/// record: two scenarios of one hash can exchange snapshots.
 std::uint64_t fingerprint(const Scenario& scenario);
 
 /// A run that is entered and left at any instant, alone or in a SimulatorBatch. Its scenario's
@@ -37,7 +37,7 @@ public:
     const std::string& message() const { return failure_; }
     bool in_whole_plane() const { return run().player().in_whole_plane(); }
 
-    /// At the end of the last step, in the world's frame, V.
+    /// Voltages at the end of the last step, in the world's frame, V.
     PerCoil voltages() const { return run().steps().voltages(); }
 
     RunSnapshot snapshot() const;
@@ -53,7 +53,7 @@ public:
     /// The five voltages are read as the step is played.
     void begin_step(const double* voltages, double duration, bool linear);
     Lane& lane() { return lane_; }
-    /// A run that has not come to the end of its step fails so.
+    /// Fails a run that has not come to the end of its step, with `status`.
     void give_up(Status status);
     /// Keeps why a step failed.
     void end_step();

@@ -9,11 +9,11 @@
 
 namespace stickslip {
 
-/// What a contact place adds to a pose, in m; see `ContactPlace`.
+/// Change of a pose by a contact place, m; see `ContactPlace`.
 struct PlaceShift {
     double lever_arm = 0.0, height = 0.0;  ///< of the pivot from the centre of mass
     double rolled_distance = 0.0;   ///< of the pivot from the point that stays where it sticks
-    double curvature_radius = 0.0;  ///< radius of curvature of what touches
+    double curvature_radius = 0.0;  ///< of the contour at the contact
 };
 
 /// A contact that does not lie where the rectangle has its corner, effect `free_contact_place`: at
@@ -67,7 +67,7 @@ public:
 private:
     static constexpr std::size_t kMiddle = kKnots / 2;  // the knot at theta = 0
 
-    /// Integral of f cos from zero, and the integral of that.
+    /// Integral of f cos from zero, once and twice.
     struct Sum {
         double once = 0.0, twice = 0.0;
     };

@@ -25,16 +25,16 @@ struct InnerMass {
     InnerDrive drive;
 
     bool absent() const { return mass == 0.0; }
-    /// Its part of the mass of both.
+    /// Mass ratio to the sum of both masses.
     double share(double body) const { return mass / (mass + body); }
 
-    /// N, on the mass along the line, without that of the stops; the opposite acts on the body.
+    /// Force on the mass along the line, N, without the stops; the opposite acts on the body.
     /// Times as of an InnerDrive.
     double force(const InnerState& at, double time, double inside) const {
         return drive.at(time, inside) - stiffness * at.place - damping * at.velocity;
     }
     double place(int stop) const { return stop > 0 ? high : low; }  ///< m, of a stop
-    /// m, from the mass to the stop ahead or behind.
+    /// Distance from the mass to the stop ahead or behind, m.
     double left(const InnerState& at, int stop) const { return stop * (place(stop) - at.place); }
 };
 

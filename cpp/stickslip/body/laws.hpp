@@ -68,13 +68,13 @@ bool has_argument(Quantity quantity, Argument argument);
 /// Whether a form stays finite however large its argument is.
 bool is_bounded(Form form);
 
-/// What a pack has once for all its runs.
+/// Kind of a law: the part that all runs of a pack share.
 struct LawKind {
     Quantity quantity;
     Acts acts;
     Argument argument;
     Form form;
-    unsigned char copy = 0;  ///< of several that are alike
+    unsigned char copy = 0;  ///< number among laws of the same kind
 
     friend auto operator<=>(const LawKind&, const LawKind&) = default;
 };
@@ -89,12 +89,12 @@ struct Law {
 
     /// A bound from below on amplitude times form; minus infinity where there is none.
     double lowest() const;
-    /// Its value where the argument is zero, and a bound on its size up to a size of the argument.
+    /// Value where the argument is zero; a bound on its magnitude up to |argument|.
     double at_zero() const;
     double largest(double argument) const;
-    /// A bound on its slope up to there, over the argument; zero where it only falls.
+    /// A bound on the slope (per unit of the argument) up to |argument|; zero where it only falls.
     double steepest(double argument) const;
-    /// Of an argument that changes its sign.
+    /// Reverses the sign of the argument.
     void turn();
 };
 
@@ -119,9 +119,9 @@ struct LawTable {
     static constexpr short kNone = -1;
 
     LawKind kinds[kMost] = {};
-    unsigned short place[kMost + 1] = {};      // of the numbers
-    unsigned char from[kQuantities + 1] = {};  // of a quantity's laws
-    // Of the numbers of kNamedKinds, or kNone.
+    unsigned short place[kMost + 1] = {};      // of each law's numbers
+    unsigned char from[kQuantities + 1] = {};  // first law of each quantity
+    // Place of the numbers of each of kNamedKinds, or kNone.
     short place_of_named[8] = {kNone, kNone, kNone, kNone, kNone, kNone, kNone, kNone};
     std::size_t count = 0;
     bool only_named = true;
@@ -175,7 +175,7 @@ private:
     std::vector<double> numbers_;
 };
 
-/// What laws ask of a robot in one quadrant over one segment of voltage, beside its motion.
+/// Inputs of the laws that are constant for one quadrant over one segment of voltage.
 template <class Real>
 struct LawMoment {
     Real turn = 0.0, turn_sine = 0.0, turn_cosine = 1.0;  ///< rad, of the quadrant
@@ -186,7 +186,7 @@ struct LawMoment {
     }
 };
 
-/// What else; who asks for a quantity has what its laws may depend on.
+/// Inputs of the laws that change with the motion; a caller sets those that the quantity may need.
 template <class Real>
 struct LawInput {
     Real tau = 0.0;  ///< s, in the segment
@@ -276,7 +276,7 @@ template <class Real>
         apply_law(table.kinds[i], numbers + table.place[i], now, at, values);
     }
 }
-/// The same. Cold, so that the compiler puts the way there aside and spares it no registers.
+/// The same. Cold, so that the compiler moves the call aside and spares it no registers.
 template <class Real>
 [[gnu::noinline, gnu::cold]] void go_apply_any(const LawTable& table, const Real* numbers,
                                                std::size_t first, std::size_t last,
@@ -325,12 +325,12 @@ public:
         for (std::size_t i = 0; i < N; ++i) values[i] = result[i];
     }
 
-    /// The coefficient of a contact at x (m) that sticks, but for laws of sign and load.
+    /// Static friction coefficient at x (m), but for laws of sign and load.
     [[gnu::always_inline]] Real static_coefficient(Real coefficient, Real x,
                                                    const PoseOf<Real>& pose, Real tau) const {
         return friction<Quantity::friction>(coefficient, {.tau = tau, .pose = pose, .place = x});
     }
-    /// That of one that slips, but for the load.
+    /// Kinetic friction coefficient at x (m), but for laws of the load. slip_velocity: m/s.
     [[gnu::always_inline]] Real kinetic_coefficient(Real coefficient, Real slip_sign,
                                                     Real slip_velocity, Real x,
                                                     const PoseOf<Real>& pose, Real tau) const {

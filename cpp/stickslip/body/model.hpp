@@ -29,7 +29,7 @@ struct Face {
     double height = 0.0;           ///< m, of the centre of mass above it
     double rolled_distance = 0.0;  ///< m, as of the pose of its end
 
-    /// m, of its end ahead, to +x of the centre of mass, and of what stays there while it sticks.
+    /// x (m) from the centre of mass of its end ahead, and of the point that stays if it sticks.
     double end() const { return half_base + shift; }
     double place() const { return end() - rolled_distance; }
 };
@@ -54,7 +54,7 @@ struct Model {
     Shake shake;  ///< of the surface, in which the robot's x and z are
     InnerMass inner;
     Friction friction;
-    /// N, of the surface to what touches it: the corners share it equally.
+    /// Adhesion to the surface, N; the touching corners share it equally.
     double adhesion = 0.0;
     LawSet laws;  ///< how friction, adhesion and drag depend on the motion
     double restitution = 0.0;
@@ -75,7 +75,7 @@ struct Model {
         return std::min(laws.least_time(), field);
     }
 
-    /// N, by which the body presses on the surface at rest, without field and shake.
+    /// Normal force on the surface at rest, adhesion included, without field and shake, N.
     double pressing() const { return -(mass + inner.mass) * gravity_z + adhesion; }
 
     /// Angular frequency (rad/s) at which the body, touching nothing, rocks in a field of `tesla`.

@@ -7,7 +7,7 @@ namespace stickslip {
 
 inline constexpr double kQuarterTurn = std::numbers::pi / 2;
 
-/// Where the pivot corner lies under the centre of mass: at (+lever_arm, -height) from it.
+/// Pose of the body: its pivot corner lies at (+lever_arm, -height) from the centre of mass.
 template <class Real>
 struct PoseOf {
     Real cosine = 1.0;  ///< cos of the local angle
@@ -19,8 +19,8 @@ struct PoseOf {
     Real curvature_radius = 0.0;  ///< m, radius of curvature of what touches
     Real angle = 0.0;             ///< rad, within the quadrant
 
-    /// m, from the centre of mass along the surface to the point that stays where it is while the
-    /// pivot sticks, ahead positive.
+    /// Distance from the centre of mass along the surface to the point that stays where it is while
+    /// the pivot sticks, m, ahead positive.
     [[gnu::always_inline]] Real place() const { return lever_arm - rolled_distance; }
 };
 using Pose = PoseOf<double>;

@@ -18,7 +18,7 @@ struct RobotFrame {
     T to_robot(const T& of_world) const {
         return sign > 0.0 ? of_world : turned(of_world);
     }
-    /// Those of the robot in the world: half a turn is undone by another.
+    /// The inverse, from the robot to the world: half a turn is undone by another.
     template <class T>
     T to_world(const T& of_robot) const {
         return to_robot(of_robot);

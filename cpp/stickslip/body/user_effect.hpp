@@ -10,7 +10,7 @@
 /// Effects that a user adds while the program runs: a force and a torque given by a function.
 namespace stickslip {
 
-/// What the user's function is told, in the world's frame: x along the surface, z away from it.
+/// Arguments of a user's function, in the world's frame: x along the surface, z away from it.
 /// Angles are those of the robot's own frame, nose-down positive whichever way it faces, as in a
 /// recording. Nothing of the measurement's own effects is in it.
 struct WrenchState {
@@ -27,7 +27,7 @@ struct WrenchState {
 /// be filled with the force at the centre of mass, Fx and Fz in N in the world's frame, and the
 /// torque in N m, nose-down positive; what is left unwritten is not finite. It has to be a pure
 /// function, as it is called for trial states too, in any order and on several threads at a time.
-/// What it throws ends the simulation and is thrown by it.
+/// An exception that it throws ends the simulation, which throws it on.
 using WrenchFunction =
     std::function<void(const double* state, const double* parameters, double* wrench)>;
 

@@ -16,7 +16,7 @@ namespace stickslip {
 /// ug robot, is 1e-20 J, a billionth of its weight times its height.
 inline constexpr double kCaptureSpeed = 1e-6;
 
-/// What touches the surface: nothing, the quadrant's lowest corner, or the face of which that
+/// Part of the body on the surface: none, the quadrant's lowest corner, or the face of which that
 /// corner is the front end (at angle 0).
 enum class Touch { none, corner, face };
 
@@ -29,13 +29,13 @@ struct ContactMode {
     friend bool operator==(const ContactMode&, const ContactMode&) = default;
 };
 
-/// What goes on from phase to phase.
+/// State carried from phase to phase.
 struct HybridState {
     BodyState body;
     ContactMode mode;
     double contact_x = 0.0;      ///< m, pivot corner; kept, not derived, so that a stuck one stays
     double slip_velocity = 0.0;  ///< m/s
-    // Of a robot that moves in the whole plane: what is above is along x, this along y.
+    // The same along y, for a robot that moves in the whole plane.
     double contact_y = 0.0;  ///< m
     double slip_y = 0.0;     ///< m/s
     InnerState inner = {};
@@ -51,14 +51,14 @@ struct ReactionOf {
 };
 using Reaction = ReactionOf<double>;
 
-/// Everything at an instant that a recording may want.
+/// State, reaction and contact at an instant, for a recording.
 struct Sample {
     BodyState body;
     Reaction reaction;
     double contact_x = std::numeric_limits<double>::quiet_NaN();      ///< m, of the pivot corner
     double slip_velocity = std::numeric_limits<double>::quiet_NaN();  ///< m/s, of the pivot corner
-    // Of a run in the whole plane: y of the pivot, friction to the left of the heading, and slip
-    // to the left, beside which the two above are along the heading.
+    // For a run in the whole plane: y of the pivot; friction and slip to the left of the heading,
+    // while those above are along it.
     double contact_y = std::numeric_limits<double>::quiet_NaN();    ///< m
     double friction_across = 0.0;                                   ///< N
     double slip_across = std::numeric_limits<double>::quiet_NaN();  ///< m/s
@@ -102,7 +102,7 @@ inline std::array<double, 2> centre_acceleration(const Pose& pose, double slip, 
             alpha * pose.lever_arm - ww * (pose.height - pose.curvature_radius)};
 }
 
-/// Inertia about the point that touches, kg m^2.
+/// Moment of inertia about the contact point, kg m^2.
 inline double pivot_inertia(double inertia, double mass, const Pose& pose) {
     return inertia + mass * (pose.lever_arm * pose.lever_arm + pose.height * pose.height);
 }

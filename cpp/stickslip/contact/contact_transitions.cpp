@@ -7,7 +7,7 @@
 
 namespace stickslip {
 
-// What throws leaves everything as it was, and not with velocities of another frame.
+// Makes a change, or none if it throws: then velocities are not left in another frame.
 template <class How>
 void ContactTransitions::change(double tau, How&& how) {
     changes_.clear();
@@ -101,7 +101,7 @@ void ContactTransitions::react(Event event, double tau) {
             break;
         case Event::slip_stops:
             settle(state_.mode.touch, {}, 0, tau);
-            // Of a slip along a vector the mode does not say which way.
+            // With a slip along a vector, the mode does not give its direction.
             if (plane_ && state_.mode.slip != 0) count(EventKind::reversal);
             break;
         case Event::ahead_lifts:

@@ -41,27 +41,27 @@ inline constexpr auto kEvents = std::to_array<Word<EventKind>>({
 static_assert(in_order(kEvents));
 inline constexpr std::size_t kEventKinds = kEvents.size();
 
-/// What an event makes of the state: an impact if there is one, then the mode that the forces
+/// Transitions of the state at events: an impact if there is one, then the mode that the forces
 /// allow.
 class ContactTransitions {
 public:
     ContactTransitions(Dynamics& dynamics, HybridState& state)
         : dynamics_(dynamics), state_(state) {}
-    /// From now on of a robot that moves in the whole plane; it has to outlive this.
+    /// The robot moves in the whole plane from now on; `plane` has to outlive this.
     void set_plane(PlaneDynamics& plane) { plane_ = &plane; }
 
-    /// From the state that is there, whose mode the forces may not allow. `touches_down`: with the
-    /// impact of a corner on the surface that approaches it.
+    /// Begins with the present state, whose mode the forces may not allow. `touches_down`: with
+    /// the impact of a corner on the surface that approaches it.
     void begin(bool touches_down);
 
     /// Takes over the counts of a run that goes on.
     void set_counts(const std::array<std::int64_t, kEventKinds>& counts) { counts_ = counts; }
-    /// An event at tau seconds into the segment.
+    /// Handles an event at `tau` seconds into the segment.
     void handle(Event event, double tau);
 
-    /// Of the last event, in their order.
+    /// Changes of the contact by the last event, in order.
     const std::vector<EventKind>& changes() const { return changes_; }
-    /// Of the whole run.
+    /// Number of events of each kind in the whole run.
     const std::array<std::int64_t, kEventKinds>& counts() const { return counts_; }
 
 private:

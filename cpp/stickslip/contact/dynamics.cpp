@@ -95,7 +95,7 @@ Dynamics::InnerPull Dynamics::inner_pull(double tau, const Pose& pose) const {
     return {force - inner_.stop * push_, cosine * c - sine * s, -(sine * c + cosine * s)};
 }
 
-// What is across the line the body carries: there the mass has weight, and no inertia of its own.
+// The body carries the force across the line: there the mass has weight, but no inertia of its own.
 double Dynamics::inner_acceleration(double tau, const Pose& pose, double ax, double az) const {
     const InnerPull pull = inner_pull(tau, pose);
     SurfaceMotion surface;
@@ -103,7 +103,7 @@ double Dynamics::inner_acceleration(double tau, const Pose& pose, double ax, dou
     const double driven = pull.force / model_->inner.mass;
     const double along = pull.x * (model_->gravity_x - surface.ax - ax);
     const double up = pull.z * (model_->gravity_z - surface.az - az);
-    // What is left of terms that cancel is rounding, by which no push can be found.
+    // Where the terms cancel, the rest is rounding, by which no push can be found.
     constexpr double kRounding = 64.0 * std::numeric_limits<double>::epsilon();
     const double size = std::abs(driven) + std::abs(along) + std::abs(up);
     const double sum = driven + along + up;

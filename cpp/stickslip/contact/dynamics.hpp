@@ -40,14 +40,14 @@ struct PlainDynamics {
     Real inertia, per_inertia;                  ///< kg m^2, 1/(kg m^2)
     Real per_corner_inertia;                    ///< 1/(kg m^2), of J + m r^2
     Real weight_x, weight_z;                    ///< N
-    Real pull;                                  ///< -, what multiplies the magnetic force
+    Real pull;                                  ///< -, factor on the magnetic force
     Real drag;                                  ///< N s/m, Eq. (18)
     Real turning_drag, turning_drag_quadratic;  ///< N m s, N m s^2, Eq. (19)
     Real adhesion;                              ///< N
     Real static_friction, kinetic_friction;
     Real radius, half_base, half_rise;  ///< m
     Real middle_lever, middle_height;   ///< m, of the pose in the middle of the quadrant
-    // Of the magnetic moment along the body's axes, A m^2.
+    // Components of the magnetic moment along the body's axes, A m^2.
     Real moment_cosine = 0.0, moment_sine = 0.0;
 
     [[gnu::always_inline]] constexpr auto members() {
@@ -57,8 +57,8 @@ struct PlainDynamics {
                         middle_lever, middle_height, moment_cosine, moment_sine);
     }
 
-    /// By that in the middle of the quadrant, turned on. Its ends are exact with the cosine rounded
-    /// so.
+    /// Pose at an angle (rad), by a rotation from the middle of the quadrant. With the cosine
+    /// rounded so, it is exact at the ends.
     [[gnu::always_inline]] PoseOf<Real> pose(Real angle) const {
         constexpr double kEighthTurn = 0.5 * kQuarterTurn, kCosineEighth = 0.7071067811865475;
         const CosineAndSine<Real> on = cosine_and_sine(angle - kEighthTurn);
@@ -108,8 +108,7 @@ struct PlainDynamics {
     }
 };
 
-/// What is known of the robot between two events: the model, the field about the robot, the
-/// quadrant.
+/// Dynamics of the robot between two events: the model, the field about the robot, the quadrant.
 class Dynamics {
 public:
     using Real = double;
@@ -134,7 +133,7 @@ public:
     SurfaceMotion surface_at(double tau) const {
         return model_->shake.at(now_.start + tau, now_.start + inside_);
     }
-    /// A place (m) on or above the surface as the coils see it, which rest in the ground's frame.
+    /// Place (m) on or above the surface in the frame of the ground, in which the coils rest.
     PlaceOf<double, 2> in_ground(double tau, const PlaceOf<double, 2>& place) const {
         if (!is_shaken_) return place;
         const SurfaceMotion surface = surface_at(tau);
@@ -142,9 +141,9 @@ public:
     }
     int quadrant() const { return quadrant_; }
 
-    /// Where the inner mass is, if there is one, until it is told again.
+    /// Sets the state of the inner mass, if there is one.
     void set_inner(const InnerState& inner) { inner_ = inner; }
-    /// N, by which the inner mass presses on the stop that it rests on, of the last `move_with`.
+    /// Force of the inner mass on the stop that it rests on, N, from the last `move_with`.
     double push() const { return push_; }
     /// Calls `move`, which computes a motion of the body by its loads and returns the acceleration
     /// of its centre of mass against the surface, until the push on the stop keeps an inner mass
@@ -170,8 +169,8 @@ public:
             push_ += step;
         }
     }
-    /// m/s^2, of the inner mass in the body, whose centre of mass has this acceleration against the
-    /// surface.
+    /// Acceleration of the inner mass relative to the body, whose centre of mass has the
+    /// acceleration (ax, az) relative to the surface, m/s^2.
     double inner_acceleration(double tau, const Pose& pose, double ax, double az) const;
 
     void set_quadrant(int quadrant);
@@ -208,7 +207,7 @@ public:
                         double tau) const {
         return directional(static_coefficient(x, pose, normal, tau), slip_sign);
     }
-    /// The same in two parts, of which the first is for both ways.
+    /// The same in two parts, of which the first holds for both directions.
     double static_coefficient(double x, const Pose& pose, double normal, double tau) const {
         if (has_no_law_) return robot_.static_friction;
         return lawful_static(x, pose, normal, tau);
@@ -216,7 +215,7 @@ public:
     double directional(double coefficient, double slip_sign) const {
         return has_no_law_ ? coefficient : laws().directional(coefficient, slip_sign);
     }
-    /// The same of one that slips at `slip_velocity` (m/s).
+    /// Kinetic friction coefficient of a corner that slips at `slip_velocity` (m/s).
     double kinetic(double slip_sign, double slip_velocity, double x, const Pose& pose,
                    double normal, double tau) const {
         if (has_no_law_) return robot_.kinetic_friction;
@@ -257,13 +256,13 @@ private:
                                   double omega, const Load& load) const;
     Load extended_load(const PlanarField& field, double tau, double x, double z, const Pose& pose,
                        double vx, double vz, double omega, double across) const;
-    // What a user's effects add; throws WrenchNotFinite.
+    // Adds force and torque of a user's effects to `load`; throws WrenchNotFinite.
     void add_user_effects(double tau, const PlanarField& field, double x, double z,
                           const Pose& pose, double vx, double vz, double omega, Load& load) const;
 
     const Model* model_;
     LocalField field_;
-    // N, on the inner mass along its line, and the way of that.
+    // Force on the inner mass along its line, N, and the unit vector of the line.
     struct InnerPull {
         double force, x, z;
     };

@@ -4,7 +4,7 @@
 
 namespace stickslip {
 
-/// What the two phases of a face on the surface share. Their first coordinates are the place of the
+/// Base of the two phases of a face on the surface. Their first coordinates are the place of the
 /// centre of mass.
 template <class Frame>
 class FaceBase : public PhaseBase<Frame> {

@@ -162,7 +162,7 @@ public:
         return dynamics_->in_ground(tau, centre);
     }
     [[gnu::always_inline]] static Real along_front(const Place& v) { return v[0]; }
-    /// What a face's slip is watched at: its end.
+    /// Point at which a face's slip is watched: its end.
     static Place of_face(const Place& middle, const Face& face) {
         return {middle[0] + face.place()};
     }
@@ -171,7 +171,7 @@ public:
     static bool is_slow(const Vector& slip) { return slip.along == 0.0; }
     static bool has_begun(const Vector& slip) { return slip.along != 0.0; }
     static Vector against(const Vector& friction) { return {friction.along > 0.0 ? -1.0 : 1.0}; }
-    /// That it slips, and which way, is not in its velocity but in the mode.
+    /// Leaves the velocity as it is: the mode tells that it slips, and which way.
     static Vector begun(const Vector& slip, const Vector&) { return slip; }
     static Vector direction_of(const Vector& slip, const Vector& friction, int onset) {
         if (slip.along != 0.0) return {slip.along > 0.0 ? 1.0 : -1.0};

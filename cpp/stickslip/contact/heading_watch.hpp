@@ -32,7 +32,7 @@ public:
 
     explicit HeadingWatch(const Model& model);
 
-    /// What goes on from phase to phase.
+    /// State carried from phase to phase.
     struct State {
         Heading heading;           ///< as the field was last seen strong, or as told
         bool is_weak = true;       ///< the field
@@ -47,7 +47,7 @@ public:
 
     double weak_field() const { return weak_field_; }  ///< T
 
-    /// As a run begins. A robot that is held from its first instant has turned before.
+    /// Begins a run. A robot that is held from its first instant has turned before.
     void begin(const Facing& now) {
         if (now.horizontal > weak_field_)
             state_ = {.heading = now.heading, .is_weak = false, .was_settled = true};
@@ -58,8 +58,8 @@ public:
         const double over = horizontal * horizontal - weak_field_ * weak_field_;
         return state_.is_weak ? -over : over;
     }
-    /// Where the event is, `time` s. A field that comes back more than two degrees from where it
-    /// was leaves the heading unknown.
+    /// Passes an event at `time` s. A field that comes back more than two degrees from where it was
+    /// leaves the heading unknown.
     Status pass(const Facing& now, double time);
     /// Follows a strong field over a part of a segment that began at `start` s, from where it was
     /// last seen; `facing(tau)` is had at any time of it. Says where it turns too fast, if it does.
@@ -68,9 +68,9 @@ public:
         return see(start, from, to, facing(to), facing);
     }
 
-    /// Of the angle by which the heading lags behind the field, in the linear motion of yaw that
-    /// the field's stiffness gives, rad: the rate of turning over the yaw's own frequency. Chosen:
-    /// beside the field by this angle the robot still has all but a fiftieth of it along.
+    /// Limit of the angle by which the heading lags behind the field, rad: the rate of turning over
+    /// the natural frequency of yaw, in linear motion under the field's stiffness. Chosen: at this
+    /// angle to the field the robot still has all but a fiftieth of it along.
     static constexpr double kMostTurning = 0.2;
 
 private:
@@ -78,7 +78,7 @@ private:
     HeadingEnd judge(double start, double tau, double horizontal);
 
     double weak_field_;  // T
-    double yaw_;  // rad/s over the root of the horizontal field in T, the yaw's own frequency
+    double yaw_;  // natural frequency of yaw over the root of the horizontal field, rad/s/T^0.5
     State state_;
 };
 

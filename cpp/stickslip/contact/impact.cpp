@@ -20,8 +20,8 @@ struct ImpactContact {
     bool arriving = false;  // it meets the surface newly, and approaches it
 
     double friction(int slip) const { return slip > 0 ? forward : backward; }
-    // Of a slip whose unit vector has the part `along` in the plane of motion: what depends on the
-    // way is linear in it (`Quantity::directional_friction`).
+    // Coefficient for a slip whose unit vector has the component `along` in the plane of motion; it
+    // is linear in that component (`Quantity::directional_friction`).
     double friction_along(double along) const {
         return 0.5 * (forward + backward) + 0.5 * along * (forward - backward);
     }
@@ -98,7 +98,7 @@ public:
     double slip_across() const { return slip_.across; }
 
 private:
-    // Of an impulse at a contact that stuck before it, or did not.
+    // Friction coefficient of an impulse at a contact that stuck before it, or did not.
     double coefficient(double slip_sign, bool stuck) {
         const Friction& friction = model_.friction;
         const double alone = stuck ? friction.static_coefficient : friction.kinetic_coefficient;
@@ -153,14 +153,14 @@ private:
         return own + 0.5 * model_.inner.mass * moves * moves;
     }
     bool gains_energy() const {
-        // Of an impulse from a system whose condition is about 100.
+        // Rounding of an impulse from a system whose condition number is about 100.
         constexpr double kRounding = 1e-13;
         const double back = -restitution_of_strike() * strike_.speed;
         return kinetic_energy(after_, back) >
                kinetic_energy(start_, strike_.speed) * (1.0 + kRounding);
     }
 
-    // Velocities that `impulse` gives.
+    // Velocities after `impulse`.
     BodyState apply(const Impulse& impulse) const {
         BodyState body = before_;
         double normal = 0.0, turning = -height_ * impulse.tangential;
@@ -344,7 +344,7 @@ ImpactResult touching(const Model& model, const BodyState& after, double slip_ve
     return result;
 }
 
-// What a pivot corner makes of the body whose impact is solved.
+// Puts a body whose impact is solved on its pivot corner, if that stays closed.
 void on_corner(const ImpactProblem& problem, const Pose& pose, ImpactResult& result) {
     result.slip_velocity = problem.slip_velocity();
     result.slip_across = problem.slip_across();

@@ -45,7 +45,7 @@ void with_phase(const Frame& frame, const HybridState& state, auto&& use) {
     with_outer_phase(frame, state, use);
 }
 
-/// What a recording sees at `tau`. The dynamics are a copy: looking must not move the field's
+/// Sample of a recording at `tau` s. The dynamics are a copy: looking must not move the field's
 /// expansion of the steps to come.
 template <class Frame>
 Sample look(const Frame& copy, const HybridState& state, double tau) {

@@ -34,7 +34,7 @@
 /// of one robot.
 namespace stickslip {
 
-/// What all phases share.
+/// Base of all phases.
 template <class F>
 class PhaseBase {
 public:
@@ -84,7 +84,7 @@ protected:
     Frame frame_;
 };
 
-/// What the two phases of a corner on the surface share.
+/// Base of the two phases of a corner on the surface.
 template <class Frame>
 class CornerBase : public PhaseBase<Frame> {
 protected:
@@ -333,7 +333,7 @@ private:
 /// just left has none. The gap is the difference of two heights of the body's size.
 inline constexpr double kFlightRounding = 16.0 * std::numeric_limits<double>::epsilon();
 
-/// Nothing touches: y = (place in the surface, z, angle, velocity in the surface, vz, omega).
+/// Flight: y = (place in the surface, z, angle, velocity in the surface, vz, omega).
 template <class Frame>
 class FlightIn : public PhaseBase<Frame> {
     using Base = PhaseBase<Frame>;
@@ -415,7 +415,7 @@ private:
     }
 };
 
-/// Of a robot that stays in its plane, or of a pack of such robots.
+/// Phases of a robot that stays in its plane, or of a pack of such robots.
 template <class D>
 using CornerStickPhaseOf = CornerStickIn<FixedFrame<D>>;
 template <class D>

@@ -10,11 +10,11 @@
 
 /// A robot whose plane of motion turns with the field (docs/theory/steering.md). It faces the way
 /// of the horizontal field, so that in the upright plane of that heading the planar equations hold.
-/// What is across is a force and a velocity of the centre of mass, which friction shares: a contact
-/// slips along a vector. Roll, and what turning adds to the motion, are left out.
+/// Across it the centre of mass has a force and a velocity, which friction shares: a contact slips
+/// along a vector. Roll, and the effects of turning on the motion, are left out.
 namespace stickslip {
 
-/// What a robot at a place in the field feels, along its heading and across.
+/// Field and gradient at a place, along the robot's heading and across.
 struct HeadedField {
     Heading heading;
     double horizontal = 0.0;  ///< T
@@ -22,13 +22,13 @@ struct HeadedField {
     double across_s = 0.0, across_z = 0.0;  ///< T/m, dB_s/dn and dB_z/dn
 };
 
-/// The load along the heading, and what is across.
+/// The load along the heading, and the force across it.
 struct PlaneLoad : Load {
     double across = 0.0;  ///< N, to the left
 };
 
-/// What is known of the robot between two events: the dynamics in its upright plane, and the field
-/// that turns that plane.
+/// Dynamics of the robot between two events: those in its upright plane, and the field that turns
+/// that plane.
 class PlaneDynamics {
 public:
     /// weight: components in the surface, N.
@@ -108,8 +108,8 @@ private:
         if (!(horizontal > 0.0)) return {watch_.state().heading, 0.0};
         return {{bx / horizontal, by / horizontal}, horizontal};
     }
-    /// Of the field at (x, y) m to first order about the middle of the expansion. per: one over the
-    /// size there of the horizontal field, 1/T.
+    /// Heading of the field at (x, y) m, to first order about the centre of the expansion. per: the
+    /// inverse of the horizontal field's magnitude at the centre, 1/T.
     static Heading near_heading(const SpatialExpansion& field, double per, double x, double y) {
         const double dx = x - field.centre[0], dy = y - field.centre[1];
         const auto& t = field.terms;

@@ -44,7 +44,7 @@ public:
     static Slip slip(const Vector& v) { return v; }
     static Vector vector(double along, double across) { return {along, across}; }
 
-    /// As the robot was last seen to face.
+    /// Heading in which the robot was last seen.
     const Heading& last_heading() const { return plane_->watch().state().heading; }
     Heading heading_at(double tau, const Place& place, double z) const {
         return seen_at(field_at(tau), place, z).heading;
@@ -88,14 +88,14 @@ public:
     }
     static stickslip::Place centre(const Place& place, double z) { return {place[0], place[1], z}; }
     static stickslip::Place in_ground(double, const stickslip::Place& centre) { return centre; }
-    /// Of a vector of the world.
+    /// Component of a world vector along the front, the heading as the phase began.
     double along_front(const Place& v) const { return front_.cosine * v[0] + front_.sine * v[1]; }
-    /// What a face's slip is watched at: its middle, and not its end, which a heading that turns
-    /// moves.
+    /// Point at which a face's slip is watched: its middle, as its end moves when the heading
+    /// turns.
     static Place of_face(const Place& middle, const Face&) { return middle; }
     void with_slide(const HybridState& state, auto&& use) const;
 
-    /// Up to the capture speed, and a little more for rounding. A slow slip sticks if static
+    /// Whether a slip is within the capture speed, with rounding. A slow slip sticks if static
     /// friction can hold it. Otherwise its friction keeps the direction that it had when the phase
     /// began, until the slip stops or is twice as fast. (A friction that follows a slow slip is
     /// stiff: its direction changes within v / (mu g), less than 1 us.)
@@ -176,7 +176,7 @@ public:
         if constexpr (kSlow) return direction_[0] * slip[0] + direction_[1] * slip[1];
         return size(slip) - kCaptureSpeed;
     }
-    /// What a slow slip still lacks to be a fast one.
+    /// Event functions: the speed (m/s) that a slow slip still lacks to be a fast one.
     static std::array<double, kFrameEvents.size()> events(const Place& slip) {
         std::array<double, kFrameEvents.size()> result = {};
         if constexpr (kSlow) result[0] = 2.0 * kCaptureSpeed - size(slip);

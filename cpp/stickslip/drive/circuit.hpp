@@ -56,16 +56,16 @@ public:
 
     /// Currents at the end of the last segment, A.
     PerCoil currents() const;
-    /// Of the field less those of the coils, A.
+    /// Currents that the field follows less those of the coils, A.
     PerCoil field_lag() const;
-    /// V, at the end of the last segment; zero without a capacitor.
+    /// Voltages of the capacitors at the end of the last segment, V; zero without a capacitor.
     const PerCoil& capacitors() const { return capacitor_; }
     /// The same `tau` seconds into a segment, whose currents these are.
     PerCoil capacitors(const VoltageSegment& voltages, const CurrentSegment& segment,
                        double tau) const;
     void set_currents(const PerCoil& currents, const PerCoil& field_lag, const PerCoil& capacitors);
 
-    /// What goes on from segment to segment.
+    /// State carried from segment to segment.
     struct Memory {
         std::array<double, kCoilCount> modes = {};
         PerCoil lagging = {};    ///< A
@@ -74,9 +74,9 @@ public:
     Memory memory() const;
     void restore(const Memory& memory);
 
-    /// Exponentials that the currents and the field are made of.
+    /// Number of exponentials that the currents and the field are made of.
     int exponentials() const { return groups_ + (lag_ > 0.0 ? 1 : 0); }
-    /// Whether that is all.
+    /// Whether the currents are made of exponentials alone, without a swing.
     bool fades() const { return swings_ == 0; }
 
     /// Largest time constant of the modes, s.

@@ -15,7 +15,7 @@ void ControlSteps::give(const double* voltages, std::size_t count, double durati
     linear_ = linear;
 }
 
-// Of the step that is played, as they are given without a latency.
+// Writes the next segment of the step that is played, before the latency; false after its last.
 bool ControlSteps::next_asked(VoltageSegment& segment) {
     const auto next_of_step = [this](VoltageSegment& asked) {
         if (asked_.empty()) return false;
@@ -49,7 +49,7 @@ bool ControlSteps::next(VoltageSegment& segment) {
                 {asked.start + latency_, asked.end + latency_, asked.first, asked.last});
         }
     }
-    // What goes on beyond the step stays on its way.
+    // The part of a segment beyond the end of the step stays in `late`.
     VoltageSegment& first = memory_.late.front();
     segment = {given_until_, first.end, first.first, first.last};
     const double slack = boundary_slack(memory_.duration);

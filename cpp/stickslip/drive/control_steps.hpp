@@ -23,7 +23,7 @@ public:
     /// which have to live until they are played. Held, or linear from the voltages before.
     void give(const double* voltages, std::size_t count, double duration, bool linear);
 
-    /// From now on the voltages before are these, in the world's frame (V).
+    /// Sets the voltages before the next step, in the world's frame, V.
     void jump(const PerCoil& voltages) {
         memory_.last = turned_ ? stickslip::turned(voltages) : voltages;
     }
@@ -35,7 +35,7 @@ public:
     bool ends_step() const { return given_until_ == time(); }
 
     double time() const { return memory_.origin + steps_since() * memory_.duration; }  ///< s
-    /// What goes on from step to step.
+    /// State carried from step to step.
     struct Memory {
         double origin = 0.0;    ///< s, from where on all steps had one duration
         double duration = 0.0;  ///< s
@@ -49,9 +49,9 @@ public:
         result.hold = hold_.memory();
         return result;
     }
-    /// At the end of the last step, in the world's frame, V.
+    /// Voltages at the end of the last step, in the world's frame, V.
     PerCoil voltages() const { return turned_ ? stickslip::turned(memory_.last) : memory_.last; }
-    /// Between two steps; what a failed one left is not played.
+    /// Goes on from a memory between two steps; the rest of a failed step is not played.
     void restore(const Memory& memory) {
         memory_ = memory;
         hold_.restore(memory.hold, time());

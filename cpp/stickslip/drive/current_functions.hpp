@@ -12,15 +12,15 @@
 /// how they fade, swing and change.
 namespace stickslip {
 
-/// One a mode of the coupled coils (one in all for equal coils that are not coupled), and one of
-/// the field's lag.
+/// One for each mode of the coupled coils (one in all for equal coils that are not coupled), and
+/// one for the field's lag.
 inline constexpr int kMaxExponentials = kCoilCount + 1;
 /// 1, tau, the exponentials, and the second function of each coil with a capacitor.
 inline constexpr int kMaxBasis = 2 + kMaxExponentials + kCoilCount;
 
-/// What x'' + 2 rate x' + stiffness x = 0 allows. Its two functions are exp(-rate tau) cos(w tau)
-/// and exp(-rate tau) sin(w tau) / w with w^2 = stiffness - rate^2; where that is zero their limits
-/// 1 and tau, where it is negative the hyperbolic ones.
+/// Damped oscillator x'' + 2 rate x' + stiffness x = 0. Its two solutions are exp(-rate tau)
+/// cos(w tau) and exp(-rate tau) sin(w tau) / w with w^2 = stiffness - rate^2; where that is zero
+/// their limits 1 and tau, where it is negative the hyperbolic ones.
 struct Swing {
     double rate = 0.0;       ///< 1/s
     double stiffness = 0.0;  ///< 1/s^2
@@ -32,9 +32,9 @@ struct Swing {
     double square() const { return stiffness - rate * rate; }
     /// Half the difference of the two rates of what does not swing, 1/s.
     double apart() const { return std::sqrt(std::max(-square(), 0.0)); }
-    /// 1/s.
+    /// Fastest rate, 1/s.
     double fastest() const { return square() > 0.0 ? std::sqrt(stiffness) : rate + apart(); }
-    /// s.
+    /// Slowest time constant, s.
     double slowest() const { return square() > 0.0 ? 1.0 / rate : (rate + apart()) / stiffness; }
 
     Two at(double tau) const {
@@ -47,7 +47,7 @@ struct Swing {
         const double gone = -std::expm1(-between * tau);
         return {fading * (1.0 - 0.5 * gone), fading * (between > 0.0 ? gone / between : tau)};
     }
-    /// The rates of change of the functions, by their values.
+    /// Time derivatives of the functions from their values.
     Two change(const Two& value) const {
         return {-rate * value[0] - square() * value[1], value[0] - rate * value[1]};
     }
@@ -84,15 +84,15 @@ struct CurrentFunctions {
     std::array<Swing, kCoilCount> swing = {};
 
     std::size_t count() const { return static_cast<std::size_t>(2 + exponentials + 2 * swings); }
-    /// Where the two of a swing stand.
+    /// Index of the first of the two functions of a swing.
     std::size_t place(std::size_t of_swing) const {
         return static_cast<std::size_t>(2 + exponentials) + 2 * of_swing;
     }
     static Swing::Two two(const Values& of, std::size_t at) { return {of[at], of[at + 1]}; }
 
-    /// What is left of exponential `j` after `tau` s, within a segment as at its end.
+    /// Exponential `j` at `tau` s from the start, 1 at 0; the same within a segment and at its end.
     double fading(std::size_t j, double tau) const { return exponential(-rate[j] * tau); }
-    /// At `tau` seconds from the start.
+    /// Values of all functions at `tau` s from the start.
     Values values(double tau) const {
         Values result;
         result[0] = 1.0;
@@ -103,7 +103,7 @@ struct CurrentFunctions {
         each_swing([&](std::size_t at, const Swing& s) { put(result, at, s.at(tau)); });
         return result;
     }
-    /// Their rates of change, by their values.
+    /// Time derivatives of the functions, 1/s, from their values.
     Values changes(const Values& value) const {
         Values result;
         result[0] = 0.0;
@@ -135,7 +135,7 @@ struct CurrentFunctions {
         });
         return result;
     }
-    /// 1/s.
+    /// Fastest rate of all functions, 1/s.
     double fastest() const {
         double result = 0.0;
         for (std::size_t j = 0; j < static_cast<std::size_t>(exponentials); ++j) {

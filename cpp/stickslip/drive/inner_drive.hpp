@@ -26,12 +26,12 @@ struct InnerDrive {
     void set_rows(std::vector<Row> given);
     bool absent() const { return amplitude == 0.0 && !rows; }
     double rate() const { return rows ? 1.0 / rows->back().time : frequency; }  ///< Hz
-    /// N, by the piece of the pulses that has another time, `inside`, in it. Times: s, since the
+    /// Force at `time`, N, from the piece of the pulses that contains `inside`. Times: s, since the
     /// run began.
     double at(double time, double inside) const;
     /// The first time (s) after another at which it jumps or has a kink.
     double next_jump(double after) const;
-    /// Of its fastest sine, s; infinite of none.
+    /// Period of the fastest sine, s; infinite without one.
     double shortest_period() const;
 
 private:

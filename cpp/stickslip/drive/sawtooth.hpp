@@ -9,7 +9,7 @@
 namespace stickslip {
 
 enum class DriveMode { ipp, opp, program, none };
-/// What the voltages are: a sawtooth, rows that are given, or none.
+/// Source of the voltages: a sawtooth, the rows of a program, or none.
 enum class DriveKind { sawtooth, program, none };
 inline constexpr std::array<std::string_view, 3> kDriveKinds = {"sawtooth", "program", "none"};
 constexpr DriveKind kind_of(DriveMode mode) {

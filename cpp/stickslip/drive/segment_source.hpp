@@ -10,8 +10,8 @@
 
 namespace stickslip {
 
-/// Where a run has its segments of voltage from: the drive of its scenario or, once `play_steps`
-/// was called, steps from outside.
+/// Source of a run's segments of voltage: the drive of its scenario or, once `play_steps` was
+/// called, steps from outside.
 class SegmentSource {
 public:
     /// hold_period: s, of the digital-to-analogue converter; zero: none. latency: s, of the
@@ -49,7 +49,7 @@ public:
         }
         return true;
     }
-    /// Goes on from other steps, none of them open.
+    /// Goes on from the memory of other steps, none of them open.
     void restore(const ControlSteps::Memory& memory) {
         steps_->restore(memory);
         step_is_open_ = has_rest_ = false;

@@ -28,7 +28,7 @@ public:
 
     const std::vector<Point>& points() const { return points_; }
     double period() const { return points_.back().time; }  ///< s
-    /// What was taken out along x and z, m/s^2.
+    /// Means along x and z that were taken out, m/s^2.
     const std::array<double, 2>& mean() const { return mean_; }
 
 private:
@@ -38,7 +38,7 @@ private:
 
 /// How the surface moves, seen from the ground: along itself (x) and along its normal (z).
 struct ShakeParameters {
-    /// Of the second harmonic and those after it.
+    /// One of the harmonics from the second on.
     struct Harmonic {
         double part = 0.0;   ///< of the amplitude
         double phase = 0.0;  ///< rad
@@ -53,7 +53,7 @@ struct ShakeParameters {
     Liquid liquid = Liquid::moves;
 
     bool absent() const { return amplitude_x == 0.0 && amplitude_z == 0.0 && !accelerations; }
-    /// Hz, of what repeats.
+    /// Repetition rate, Hz.
     double rate() const { return accelerations ? 1.0 / accelerations->period() : frequency; }
 };
 
@@ -73,14 +73,14 @@ public:
 
     bool absent() const { return terms_.empty() && !accelerations_; }
     bool carries_liquid() const { return liquid_ == Liquid::moves; }
-    /// time: s, since the run began.
+    /// Motion of the surface. time: s, since the run began.
     SurfaceMotion at(double time) const { return at(time, time); }
-    /// The same by the piece of the accelerations that has another time, `inside`, in it.
+    /// The same from the piece of the accelerations that contains the time `inside`.
     SurfaceMotion at(double time, double inside) const;
 
     /// The first time (s) after another at which the acceleration has a kink or jumps.
     double next_kink(double after) const;
-    /// Of its fastest sine, s; infinite of none.
+    /// Period of the fastest sine, s; infinite without one.
     double shortest_period() const {
         return terms_.empty() ? std::numeric_limits<double>::infinity()
                               : 1.0 / (frequency_ * highest_);

@@ -120,7 +120,7 @@ public:
     }
 
     const Memory& memory() const { return memory_; }
-    /// At `time`, s, with nothing asked for.
+    /// Goes on from a memory at `time`, s, with no segment open.
     void restore(const Memory& memory, double time) {
         memory_ = memory;
         asked_.end = time_ = time;
@@ -158,7 +158,7 @@ private:
     SampleHold hold_;
     double latency_;
     std::vector<double> marks_;
-    VoltageSegment rest_;  // what a cut left over
+    VoltageSegment rest_;  // remainder of a segment that was cut
     bool has_rest_;
 };
 

@@ -56,7 +56,7 @@ public:
 
     /// Field at the origin, along the coil's positive axis, per ampere in one coil, T/A.
     double centre_field_per_ampere(Coil coil = Coil::xp) const;
-    /// The same of all coils; equal ones are asked once.
+    /// The same for all coils; equal ones are computed once.
     PerCoil centre_fields_per_ampere() const;
 
 private:

@@ -52,7 +52,7 @@ struct Series<Real, 2> {
     using FarTerms = std::array<Real, 14>;
     using Value = PlanarFieldOf<Real>;
 
-    /// At a displacement from the centre.
+    /// Value of the series at a displacement (m) from the centre.
     [[gnu::always_inline]] static Value at(const Terms& terms, Real dx, Real dz);
     [[gnu::always_inline]] static Value at(const FarTerms& terms, Real dx, Real dz);
     /// The terms about a near centre at a displacement from the far one.
@@ -68,7 +68,7 @@ struct Series<double, 3> {
     using Terms = std::array<double, 24>;
     using FarTerms = Terms;
     using Value = SpatialFieldValue;
-    /// Where derivatives of one order begin.
+    /// Index of the first derivative of each order.
     static constexpr std::size_t kSecond = 3, kThird = 8, kFourth = 15;
 
     static Value at(const Terms& terms, double dx, double dy, double dz);
@@ -83,13 +83,13 @@ struct ExpansionOf {
     PlaceOf<Real, D> centre;
     Real tau;  ///< s, the time it holds for
 
-    /// place: its coordinates.
+    /// Value at a place, by its coordinates, m.
     template <class... Coordinates>
     [[gnu::always_inline]] auto operator()(const Coordinates&... place) const {
         return at(std::make_index_sequence<D>(), place...);
     }
 
-    /// At a displacement from the centre, m.
+    /// Value at a displacement from the centre, m.
     template <class... Coordinates>
     [[gnu::always_inline]] auto beside(const Coordinates&... displacement) const {
         return Series<Real, D>::at(terms, displacement...);
@@ -126,7 +126,7 @@ struct FieldSegment {
     }
 };
 
-/// The same about a far centre, to one order more, from which that about a near one is made.
+/// Field about a far centre, to one order more, from which a FieldSegment about a near one is made.
 template <class Real, int D = 2>
 struct FarField {
     using Terms = typename Series<Real, D>::FarTerms;
@@ -162,7 +162,7 @@ template <class Real, std::size_t D>
     return result;
 }
 
-/// What an exponential beside the first adds to the field of a segment.
+/// Contribution of one exponential of the currents, after the first, to the field of a segment.
 template <class Real, int D = 2>
 struct FurtherExponential {
     using Terms = typename ExpansionOf<Real, D>::Terms;
@@ -185,14 +185,14 @@ struct FurtherExponential {
     }
 };
 
-/// Where the model of the set-up holds: between two corners.
+/// Box in which the model of the set-up holds, by two corners.
 template <class Real, int D = 2>
 struct WorkspaceOf {
     PlaceOf<Real, D> low, high;
 
     [[gnu::always_inline]] constexpr auto members() { return std::tie(low, high); }
 
-    /// Not a place with a coordinate that is NaN.
+    /// Whether a place is inside; false for a coordinate that is NaN.
     [[gnu::always_inline]] auto holds(const PlaceOf<Real, D>& place) const {
         auto result = (place[0] > low[0]) & (place[0] < high[0]);
         for (std::size_t i = 1; i < D; ++i) {
@@ -202,10 +202,10 @@ struct WorkspaceOf {
     }
 };
 
-/// What one ampere in a coil makes at the robot.
+/// Field and gradient at the robot per ampere of one coil.
 struct CoilField {
-    std::array<double, 3> field = {};  ///< T
-    /// T/m, gradient of the component along the robot's heading, along x and y.
+    std::array<double, 3> field = {};  ///< T/A
+    /// T/(m A), gradient of the component along the robot's heading, along x and y.
     std::array<double, 2> slope = {};
 };
 
@@ -232,10 +232,10 @@ public:
     /// nothing. ambient: a uniform field along the coordinates, T.
     LocalFieldOf(const CoilSet& coils, const PerCoil& gain, const Centre& ambient = {});
 
-    /// What multiplies the field of the coils from now on; it has to outlive this.
+    /// Factor on the field of the coils from now on; `shape` has to outlive this.
     void set_shape(const FieldShape& shape) { shape_ = &shape; }
     bool has_shape() const { return shape_ != nullptr; }
-    /// That factor, `tau` seconds into the segment.
+    /// Factor of the shape `tau` seconds into the segment, 1 without a shape.
     double factor(double tau) const {
         return shape_ ? shape_->factor(segment_.start + tau, segment_.field_currents(tau)) : 1.0;
     }
@@ -247,7 +247,7 @@ public:
 
     const PerCoil& gain() const { return gain_; }
     bool has_coils() const { return gain_ != PerCoil{}; }
-    /// For a coil that gets its first current.
+    /// Sets the gains anew where a coil gets its first current.
     void set_gain(const PerCoil& gain);
 
     /// Moves the near centre to the robot once it is more than kNear of the reach away, and the far
@@ -261,10 +261,10 @@ public:
         further_[j - 1].basis = near.basis;
     }
     const Centre& centre() const { return course_.centre; }
-    /// How far from its centre an expansion holds, m.
+    /// Distance from its centre within which an expansion holds, m.
     double reach() const { return reach_; }
-    /// Of the reach: five times as far, frozen runs differed by up to 3e-8 of their velocity; so by
-    /// up to 3e-9. Either takes the same time.
+    /// Reach of a near centre, as a part of the reach. At 0.05, frozen runs differed by up to 3e-8
+    /// of their velocity; at 0.01 by up to 3e-9. Both take the same time.
     static constexpr double kNear = 0.01;
 
     /// Half the time constant of the fastest exponential of the segment, s.
@@ -273,7 +273,7 @@ public:
     /// The robot has come so near to a coil's plane, or to the end of the map, that the model of
     /// the set-up ends.
     bool outside() const { return outside_; }
-    /// Where it may be; anywhere without coils that drive.
+    /// Box in which the robot may be; unbounded without coils that drive.
     const WorkspaceOf<double, D>& workspace() const { return workspace_; }
 
     /// The expansion at `tau` seconds into the segment. It does not depend on the robot's state, so
@@ -282,13 +282,13 @@ public:
 
     /// The field over the segment at a place, without a shape; the caller sets `segment`.
     FieldCourse course(const Centre& place) const;
-    /// What each coil makes there of a robot with that heading, with its gain.
+    /// Field and gradient of each coil per ampere at `centre`, times its gain. heading: rad.
     PerCoilOf<CoilField> of_coils(const Centre& place, double heading = 0.0) const;
 
     /// The segment as the formulas see it, where no shape multiplies it: its first exponential.
     const FieldSegment<double, D>& segment() const { return course_; }
     const FarField<double, D>& far() const { return far_; }
-    /// What exponential j adds, counted from 0 and beginning with 1, where there is such a one.
+    /// Contribution of exponential j >= 1; the first, j = 0, is in `segment`.
     const FurtherExponential<double, D>& further(std::size_t j) const { return further_[j - 1]; }
 
 private:
@@ -314,12 +314,12 @@ private:
     void approach(const Centre& place);
     void combine();
     void multiply(double tau, Expansion& expansion) const;
-    /// Of terms about the far centre, at a place.
+    /// Value at a place of the series with these terms about the far centre.
     auto value(const FarTerms& terms, const Centre& place) const {
         return std::apply([&](auto... d) { return Series<double, D>::at(terms, d...); },
                           far_.distance_to(place));
     }
-    /// Of a function of the currents.
+    /// Far terms of the currents' function of time `b`.
     FarTerms& basis(std::size_t b) { return b < 3 ? far_.basis[b] : further_[b - 3].far; }
     const FarTerms& basis(std::size_t b) const {
         return b < 3 ? far_.basis[b] : further_[b - 3].far;
@@ -338,13 +338,13 @@ private:
     std::array<FarTerms, kCoilCount> unit_ = {};  // per ampere of each coil
     FarField<double, D> far_ = {};
     FieldSegment<double, D> course_ = {};
-    // Of the second exponential and the functions after it.
+    // The second exponential and the functions after it.
     std::array<FurtherExponential<double, D>, kMaxBasis - 3> further_ = {};
 };
 using LocalField = LocalFieldOf<2>;
 using SpatialField = LocalFieldOf<3>;
 
-/// In space it is too long to be in every phase.
+/// Compiled apart: in space it is too long to be in every phase.
 template <>
 SpatialExpansion LocalFieldOf<3>::at(double tau) const;
 
@@ -413,10 +413,10 @@ template <std::size_t N, class Real>
 
 inline SpatialFieldValue Series<double, 3>::at(const Terms& terms, double dx, double dy,
                                                double dz) {
-    using Pair = Pack<2>;  // of what the gradient needs, and of what the field does
+    using Pair = Pack<2>;  // lane 0: for the gradient; lane 1: for the field
     const std::array<double, 3> d = {dx, dy, dz};
     const std::array<Pair, 3> dd = {Pair(d[0]), Pair(d[1]), Pair(d[2])};
-    // Of the gradient and of the field the series are G + (T + Q d / 2) d and
+    // The series of the gradient is G + (T + Q d / 2) d, that of the field
     // B + (G + (T + Q d / 3) d / 2) d.
     const Pair per_third(Pair::Vector{1.0 / 2.0, 1.0 / 3.0});
     const Pair per_second(Pair::Vector{1.0, 1.0 / 2.0});

@@ -55,7 +55,7 @@ public:
     FieldMap turned() const;
 
 private:
-    // Of one harmonic: its parts of Bx, By, Bz and of the derivatives xy, xz, yy, yz, zz.
+    // One harmonic's share of Bx, By, Bz and of the derivatives xy, xz, yy, yz, zz.
     using Parts = std::array<double, 8>;
 
     Box box_;

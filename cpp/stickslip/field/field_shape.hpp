@@ -8,7 +8,7 @@
 
 namespace stickslip {
 
-/// What multiplies the field of all coils in the course of a run.
+/// Factor on the field of all coils as a function of time and current.
 struct FieldShape {
     FreeCurve time;       ///< of the time since the run began, effect `free_field_time`
     FreeCurve amplitude;  ///< of the in-plane current, effect `free_field_amplitude`

@@ -17,12 +17,12 @@ struct Heading {
 
     static Heading of_angle(double angle) { return {std::cos(angle), std::sin(angle)}; }
     double angle() const { return std::atan2(sine, cosine); }
-    /// To the left of this one, rad.
+    /// Angle to another heading, rad, positive to the left.
     double angle_to(const Heading& other) const {
         const Slip turn = seen(other.cosine, other.sine);
         return std::atan2(turn.across, turn.along);
     }
-    /// Of a vector of the world; and back.
+    /// Components of a world vector along and across the heading; `x` and `y` invert it.
     Slip seen(double x, double y) const { return {cosine * x + sine * y, cosine * y - sine * x}; }
     double x(const Slip& v) const { return cosine * v.along - sine * v.across; }
     double y(const Slip& v) const { return sine * v.along + cosine * v.across; }

@@ -5,8 +5,8 @@
 namespace stickslip {
 namespace {
 
-/// What one straight wire contributes. With the distance rho from the wire's line and the position
-/// t along it, the field of a wire from t = -a to t = a has the magnitude rho * value.
+/// Field factor of one straight wire and its derivatives. At distance rho from the wire's line and
+/// position t along it, the field of a wire from t = -a to t = a has the magnitude rho * value.
 struct WireFactor {
     double value;     ///< G = [(t + a)/R1 - (t - a)/R2] / rho^2
     double by_rho2;   ///< dG / d(rho^2)

@@ -9,7 +9,7 @@
 #include "stickslip/numbers/elementary.hpp"
 #include "stickslip/numbers/roots.hpp"
 
-/// Where what the coils make of a segment of voltage turns: sums of a line and exponentials.
+/// Turning points of currents and field over a segment of voltage: sums of a line and exponentials.
 namespace stickslip {
 
 /// Widths of the parts of a segment between two looks at its exponentials, which fade from its
@@ -20,10 +20,10 @@ inline constexpr double kTurningLook = 0.3;
 
 /// Calls `use(tau)` where each part of a segment ends, s from its start.
 void for_each_part(const CurrentSegment& segment, auto&& use) {
-    // What fades within the rounding of the segment's times, as a rate that overflowed, is not
-    // seen.
+    // An exponential that fades within the rounding of the segment's times, as at a rate that
+    // overflowed, is not seen.
     const double least = std::max(1.0 / segment.fastest(), 1e-16 * segment.duration);
-    // Of a swing that is far too fast for a segment, as with no capacitance to speak of, some.
+    // A swing far too fast for the segment, as with almost no capacitance, is sampled coarsely.
     constexpr double kFinest = 1e-5;  // of the segment; chosen: milliseconds of work
     const double swing = std::max(least, kFinest * segment.duration);
     double swings_until = 0.0;  // s
@@ -165,7 +165,7 @@ void for_each_field_turn(const FieldCourse& course, double speed, auto&& use) {
             };
             const double middle = 0.5 * (first + last);
             const double steepest = std::max(bound, std::abs(a + middle * (b + middle * c)));
-            // Of what the cubic misses, and within the span.
+            // Margins for the cubic's error: on the square of the field, and on the span.
             constexpr double kMissed = 1e-4, kPad = 0.05;
             const double more = steepest * (last - first) + kMissed * larger;
             const double low = std::min(square(first), square(last)) - more;

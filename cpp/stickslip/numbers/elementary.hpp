@@ -92,13 +92,13 @@ struct CosineAndSine {
     Real cosine, sine;
 };
 
-/// Of an angle anywhere. Apart, so that a small one pays one test.
+/// Cosine and sine of any angle. A function of its own, so that a small angle costs one test.
 template <class Real>
 [[gnu::noinline, gnu::cold]] CosineAndSine<Real> far_cosine_and_sine(Real a) {
     return {sine(a + 1.5707963267948966), sine(a)};
 }
 
-/// Within 2e-16 for |a| < 0.888, by series; beyond by `sine`.
+/// Cosine and sine, by series for |a| < 0.888, within 2e-16; beyond by `sine`.
 template <class Real>
 [[gnu::always_inline]] inline CosineAndSine<Real> cosine_and_sine(Real a) {
     // Taylor's in a^2 up to Chebyshev's polynomial of degree 8 over this range: left out is 1e-19.

@@ -9,7 +9,7 @@
 
 namespace stickslip {
 
-/// Where the knots of a free shape lie.
+/// Layout of the knots of a free shape.
 enum class FreeReach {
     from_zero,  ///< evenly over [0, span], for an argument that is never negative
     anchored,   ///< at span/5 .. span, and f(0) = 0, for one that is never negative
@@ -25,8 +25,8 @@ struct FreeShape {
     std::array<double, kKnots> knots = {};  ///< f there
 };
 
-/// What a curve is evaluated from: by how much its first knot lies below zero and the number of its
-/// last, both in spacings, then its values at six knots and its slopes there, a spacing.
+/// Sizes of the array that a curve is evaluated from: how far its first knot lies below zero and
+/// the number of its last, in spacings; then its values at six knots and its slopes, per spacing.
 inline constexpr std::size_t kCurveValues = kKnots + 1, kCurveNumbers = 2 + 2 * kCurveValues;
 
 /// The curve with these numbers, at an argument in spacings.
@@ -85,7 +85,7 @@ public:
 
     double at(double argument) const { return curve_at(numbers_.data(), argument * per_spacing_); }
 
-    /// As `curve_at` asks for them, and what its argument is to be multiplied by.
+    /// Numbers for `curve_at`, and the factor from an argument to spacings.
     const std::array<double, kCurveNumbers>& numbers() const { return numbers_; }
     double per_spacing() const { return per_spacing_; }
 

@@ -61,7 +61,7 @@ std::string digits(Number value) {
     }
 }
 
-/// For what was computed.
+/// Text of a computed number, rounded.
 template <class Number>
 std::string rounded(Number value) {
     if constexpr (WrittenByLibrary<Number>) {

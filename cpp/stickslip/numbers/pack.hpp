@@ -234,7 +234,7 @@ template <class Real, class Numbers>
     }
 }
 
-/// As std::min and std::max: the first where the two do not compare.
+/// Minimum and maximum, as std::min and std::max: the first where the two do not compare.
 template <class Real>
 [[gnu::always_inline]] inline Real lesser(Real a, Real b) {
     return select(b < a, b, a);

@@ -71,7 +71,7 @@ Extreme least_value(double low, double high, int parts, FunctionRef<double(doubl
         left = x[2];
         best = least_of(best, least_of(x[1], x[2]));
         for (int k = 0; k < kMost; ++k) {
-            // Of f = x1 + slope d + curve d^2 about the middle.
+            // Parabola f = f1 + slope d + curve d^2 through the three points, d from the middle.
             const double d0 = x[0].at - x[1].at, d2 = x[2].at - x[1].at;
             if (!(d0 < 0.0 && d2 > 0.0)) break;
             const double r0 = (x[0].value - x[1].value) / d0, r2 = (x[2].value - x[1].value) / d2;

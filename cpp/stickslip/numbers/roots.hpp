@@ -7,7 +7,7 @@
 /// Roots and least values of functions of one number.
 namespace stickslip {
 
-/// Of a root, relative to a range of size one: of a step, whose dense output is far less accurate.
+/// Resolution of a root in a range of size one: a step, whose dense output is far less accurate.
 inline constexpr double kRootResolution = 1e-12;
 
 /// Two places with the values there, in which a function falls through zero.
@@ -24,7 +24,7 @@ struct Bracket {
 /// which ends whatever the function.
 std::optional<double> find_root(const Bracket& bracket, FunctionRef<double(double)> value);
 
-/// Where a function that does not have one sign at `low` and `high` is zero, to 1e-12.
+/// Root of a function whose signs at `low` and `high` differ or are zero, to 1e-12.
 double find_root(double low, double high, FunctionRef<double(double)> value);
 
 /// Asks `found(low, high)` of arcs between two angles, rad, from the one about `first` on to both

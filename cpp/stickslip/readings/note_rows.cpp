@@ -277,7 +277,7 @@ const std::vector<NoteRow>& note_rows() {
          .text = "{effects.surface_tilt.angle=} is steeper than friction holds: the robot slides "
                  "without any field, which is no walk, as its weight pulls along the surface with "
                  "{slope_force:nN} and {contact.static_friction=} gives {slope_hold:nN}"},
-        // That of the paper is 0.9 times.
+        // The paper's adhesion is 0.9 times the weight.
         {.code = "adhesion", .value = "contact.adhesion", .of = NoteOf::scenario,
          .when = STICKSLIP_IF(f.s.contact.adhesion > 20.0 * f.weight()),
          .text = "{contact.adhesion=} is more than 20 times the weight"},

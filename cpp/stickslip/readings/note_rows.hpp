@@ -45,16 +45,16 @@ struct NoteFacts {
     double slope_hold() const {
         return s.contact.static_friction * (weight() * std::cos(slope()) + s.contact.adhesion);
     }
-    /// By the surface or by a mass inside.
+    /// Whether the surface or a mass inside shakes the robot.
     bool shaken() const { return !s.shake.absent() || !s.inner.absent(); }
-    /// Of the asked field; infinite without a sawtooth.
+    /// Peak-to-peak of the asked field, T; infinite without a sawtooth.
     double swing() const {
         return sawtooth() ? s.drive.peak - s.drive.base : std::numeric_limits<double>::infinity();
     }
     double middle_field() const { return 0.5 * (s.drive.base + s.drive.peak); }
     double usual_base() const { return 0.2 * s.drive.peak; }  ///< as in the first example
     double pulse() const { return 1.0 / s.drive.frequency; }
-    /// Of the measuring window, from the end of the third on; 0 of a program.
+    /// Pulses in the measuring window, which begins after the third; 0 for a program.
     double measured_pulses() const {
         const auto pulses = static_cast<double>(s.drive.pulses);
         return program() ? 0.0 : pulses >= 4.0 ? pulses - 3.0 : pulses;
@@ -84,7 +84,7 @@ struct NoteFacts {
         return any_used([this](std::size_t k) { return s.coils[k].capacitance > 0.0; });
     }
 
-    /// From the start of the window to the end of the run.
+    /// Time from the start of the window to the end of the run, s.
     double measured() const { return run.simulated_time - measuring_window(s).start; }
     double speed() const { return std::hypot(run.mean_velocity, run.mean_velocity_y); }
     /// Velocity along the drive.
@@ -97,8 +97,8 @@ struct NoteFacts {
     double rocks() const { return std::fabs(run.slip_up) + std::fabs(run.slip_down); }
     double slips() const { return rocks() + std::fabs(run.slip_flat); }
     double tilt() const { return std::max(run.theta_max, -run.theta_min); }
-    double torque() const { return moment() * run.field_max; }  ///< of the field
-    /// Of weight and adhesion, about the corner that a robot on a face would tip on.
+    double torque() const { return moment() * run.field_max; }  ///< of the field, N m
+    /// Torque of weight and adhesion about the corner that a robot on a face would tip on, N m.
     double held_torque() const {
         const bool stands = std::fabs(std::sin(run.theta_max)) > std::sqrt(0.5);
         return 0.5 * (stands ? s.robot.height : s.robot.length) * resting_force();
@@ -107,12 +107,12 @@ struct NoteFacts {
     double roll_over() const {
         return static_cast<double>(run.events[static_cast<std::size_t>(EventKind::roll_over)]);
     }
-    /// Of a pulse, at most 300 Hz (chosen: the coils let none of faster pulses through), or of a
-    /// program.
+    /// Duration of a pulse, of at most 300 Hz (chosen: the coils let none of faster pulses
+    /// through), or of a program, s.
     double period() const {
         return program() ? window_duration() : 1.0 / std::min(pulse_rate(s), 300.0);
     }
-    /// Way in that time, over the length; a program may lead out and back.
+    /// Distance in a period over the robot's length; a program may lead out and back.
     double step() const {
         const double way = speed() + (program() ? slips() : 0.0);
         return ok ? way * period() / s.robot.length : Summary::kNone;
@@ -149,10 +149,10 @@ private:
 /// Changes of a scenario that a note tries.
 struct NoteTrial {
     std::vector<std::pair<const char*, SettingValue>> settings = {};
-    double voltages = 1.0;  ///< what those of a program are multiplied by
+    double voltages = 1.0;  ///< factor on those of a program
 };
 
-/// What a row is asked of: a run, a scenario without one too, or each of its coils.
+/// Subject of a note: a run, a scenario (also without a run), or each of its coils.
 enum class NoteOf { run, scenario, coil };
 
 /// A kind of note. In `text`, and in what `advice` gives,

@@ -17,10 +17,10 @@
 namespace stickslip {
 namespace {
 
-// Of a trial; chosen: enough to see a step.
+// Pulses of a trial; chosen: enough to see a step.
 constexpr std::int64_t kTriedPulses = 12;
 
-// What a value in SI units is multiplied by.
+// Factor from SI to each unit.
 constexpr std::array<std::pair<std::string_view, double>, 7> kUnits = {
     {{"%", 100.0},
      {"mT", 1e3},

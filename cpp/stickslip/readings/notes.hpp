@@ -32,11 +32,11 @@ struct Wording {
     Wording();
 };
 
-/// What is probably a mistake among the values of a scenario, the most serious first.
+/// Notes on probable mistakes among the values of a scenario, the most serious first.
 std::vector<Note> scenario_notes(const Scenario& scenario, const Wording& words = {});
 
-/// The same, and what a run of it was, by its summary. What holds a robot at rest is found by short
-/// simulations.
+/// The same with notes on a run, from its summary. The cause that holds a robot at rest is found by
+/// short simulations.
 ///
 /// ok: whether the run came to its end. cut: whether it was ended by its condition.
 std::vector<Note> run_notes(const Scenario& scenario, const Summary& summary, bool ok, bool cut,

@@ -20,12 +20,12 @@ namespace {
 // Pulses after which the motion counts as steady, section VII.
 constexpr std::int64_t kSettlingPulses = 3;
 
-// Of a recording, at some 170 bytes each. What memory can take, less of them, is another limit.
+// Most samples of a recording, some 170 bytes each. Memory may set a lower limit.
 constexpr double kMostSamples = 1e9;
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
-// Of solver.max_step, s.
+// Lower limit of solver.max_step, s.
 constexpr double kLeastMaxStep = 1e-9;
 
 [[noreturn]] void refuse(const char* key, double value, const std::string& allowed) {
@@ -49,12 +49,12 @@ double pulsing_time(const Scenario& s) {
     return static_cast<double>(s.drive.pulses) / pulse_rate(s);
 }
 
-// s, before the first pulse.
+// Time before the first pulse, s.
 double lead_in(const Drive& drive) {
     return drive.kind() == DriveKind::none ? 0.0 : drive.latency + drive.ramp;
 }
 
-// What needs more steps than a run may have, however the robot moves.
+// Refuses a scenario that needs more steps than a run may have, however the robot moves.
 void check_work(const Scenario& s, double duration) {
     const auto most = static_cast<double>(s.solver.max_steps);
     const auto refuse_span = [&](const char* key, double value, const char* zero) {
@@ -319,7 +319,7 @@ VoltageProgram make_program(const Scenario& s, const RobotFrame& frame) {
 
 namespace {
 
-// Of the coils that have current in a run.
+// Gain of each coil; zero for one that has no current in the run.
 PerCoil driven_gain(const Scenario& scenario, const RobotFrame& frame,
                     const VoltageProgram& program) {
     PerCoil gain = field_gain(scenario);

@@ -35,19 +35,19 @@ PerCoil held_field_gain(const Scenario& scenario, const PerCoil& currents);
 /// Voltages that the drive asks for, in the robot's own frame.
 VoltageProgram commanded_program(const Scenario& scenario, const RobotFrame& frame);
 
-/// The same as the amplifiers give them.
+/// The same voltages as the amplifiers give them.
 VoltageProgram make_program(const Scenario& scenario, const RobotFrame& frame);
 
 /// The field near the robot, of the coils that have current. `coils` have to outlive it.
 LocalField make_local_field(const Scenario& scenario, const RobotFrame& frame,
                             const VoltageProgram& program, const CoilSet& coils);
 
-/// What turns the robot and what is across, where it moves in the whole plane. `upright` and
+/// Dynamics of a robot that moves in the whole plane: heading, and forces across it. `upright` and
 /// `coils` have to outlive it.
 PlaneDynamics make_plane_dynamics(const Scenario& scenario, const VoltageProgram& program,
                                   const CoilSet& coils, Dynamics& upright);
 
-/// How accurate the steps are to be, from the natural scales of the motion. `stop` may be nullptr.
+/// Tolerances and limits of the steps, from the natural scales of the motion. `stop`: or nullptr.
 StepperOptions make_stepper_options(const Scenario& scenario, const Model& model,
                                     const VoltageProgram& program, const CoilSet& coils,
                                     const std::atomic<bool>* stop);

@@ -19,7 +19,7 @@ class DriveObserver {
 public:
     explicit DriveObserver(const Circuit& circuit) : resistance_(circuit.resistance()) {}
 
-    /// A segment that has ended.
+    /// Adds a segment that has ended.
     void end_segment(const VoltageSegment& voltages, const CurrentSegment& segment,
                      bool in_window) {
         for (std::size_t k = 0; k < kCoilCount; ++k) {

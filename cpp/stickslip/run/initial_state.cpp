@@ -15,8 +15,8 @@
 namespace stickslip {
 namespace {
 
-// Of lengths over the body's radius, and of velocities over those of its corners: far above the
-// rounding of a state that a run has left, far below what a state can be known to.
+// Tolerance of lengths relative to the body's radius, and of velocities to those of its corners:
+// far above the rounding of a state that a run has left, far below the accuracy of any state.
 constexpr double kSlack = 1e-9;
 constexpr double kLeastVelocity = 1e-15;  // m/s
 
@@ -219,7 +219,7 @@ private:
         }
     }
 
-    // Of a face on the surface, whether the rear corner is the one that neither lands nor leaves.
+    // Whether, of a face on the surface, the rear corner is the one that neither lands nor leaves.
     bool stays_on_rear_corner() const {
         const BodyState& body = start_.state.body;
         const double front = corner_velocity_z(pose(), body.vz, body.omega);

@@ -19,10 +19,10 @@
 
 namespace stickslip {
 
-/// What the pull of the field's gradient is compared with.
+/// Pull of the field's gradient, and the force that it is compared with.
 struct Pull {
     double x = 0.0, y = 0.0;  ///< N, along the surface, in the robot's own frame
-    /// N, with which everything but the surface's normal force presses on it, inertia aside.
+    /// N, with which everything but inertia and the normal force presses on the surface.
     double pressing = 0.0;
 };
 
@@ -51,7 +51,7 @@ public:
 
     bool in_whole_plane() const { return plane_.has_value(); }
     double sign() const { return model_.frame.sign; }
-    /// In the ground's frame a body that a surface carries, `time` s since the run began.
+    /// The body in the ground's frame, carried by the surface, `time` s since the run began.
     BodyState in_ground(BodyState body, double time) const {
         const SurfaceMotion surface = model_.shake.at(time);
         body.x += surface.x;
@@ -99,7 +99,7 @@ public:
     /// Goes on from where a phase has ended.
     template <class Phase>
     void end_phase(Phase& phase, const PhaseEnd<Phase>& end);
-    /// What an event, where the last phase ended, makes of the state; ok, or why the motion ends.
+    /// Handles an event where the last phase ended; ok, or why the motion ends.
     Status handle(Event event);
     /// Changes of the contact by the last event.
     const std::vector<EventKind>& changes() const { return transitions_.changes(); }
@@ -113,17 +113,17 @@ public:
     const HybridState& state() const { return state_; }
     const BodyState& body() const { return state_.body; }
 
-    // What is there.
+    // Values at the robot's place.
 
     /// Whether the robot has left the place where the field is known.
     bool is_outside() const {
         return plane_ ? plane_->field().outside() : dynamics_.field().outside();
     }
-    /// At the robot's place, `tau` seconds into the segment, T.
+    /// Field at the robot's place, `tau` seconds into the segment, T.
     std::array<double, 3> field(double tau, const BodyState& body) const;
     /// The pull on a body, `tau` seconds into the segment.
     Pull pull(double tau, const BodyState& body) const;
-    /// What each coil makes there.
+    /// Field and gradient of each coil there, per ampere.
     PerCoilOf<CoilField> field_of_coils() const;
     /// Whether a free shape, or the surface, may turn the field anywhere; else its course over the
     /// segment.
@@ -132,20 +132,20 @@ public:
                       : dynamics_.field().has_shape() || !model_.shake.absent();
     }
     FieldCourse field_course() const;
-    /// Everything at `tau` seconds into the segment.
+    /// Sample at `tau` seconds into the segment.
     Sample sample(double tau) const {
         return plane_ ? stickslip::sample(*plane_, state_, tau)
                       : stickslip::sample(dynamics_, state_, tau);
     }
-    /// By which the heading has turned to and fro, rad.
+    /// Total angle by which the heading has turned to and fro, rad.
     double turned() const { return plane_ ? plane_->watch().state().turned : 0.0; }
 
-    /// As others see it, without currents.
+    /// State in the world's frame, without currents.
     SimulationState motion() const {
         return world_state(state_, dynamics_.contact_age() + tau_, sign(), in_whole_plane());
     }
     SimulationState world() const;
-    /// Between two steps, or where one has failed; without what a Run knows of its end.
+    /// Snapshot between two steps, or where one has failed, without the Run's knowledge of its end.
     RunSnapshot snapshot() const;
     /// Throws std::invalid_argument for a snapshot of a run in another plane.
     void restore(const RunSnapshot& snapshot);

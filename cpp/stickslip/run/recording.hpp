@@ -35,16 +35,16 @@ public:
         return on_grid() ? static_cast<double>(count_) / settings_.rate
                          : std::numeric_limits<double>::infinity();
     }
-    /// field: T.
+    /// Adds a sample at `t` s. field: T. current: A.
     void add(double t, const Sample& sample, const ContactMode& mode,
              const std::array<double, 3>& field, const PerCoil& current);
-    /// Of the sample that was added last.
+    /// Adds an event at the sample that was added last.
     void add_event(EventKind kind) {
         if (!settings_.dropped[kEventColumn]) {
             recording_.event.push_back(static_cast<std::int8_t>(kind));
         }
     }
-    /// What no sink has taken; with a sink, nothing.
+    /// Returns the samples that no sink has taken; none with a sink.
     Recording take();
 
 private:

@@ -24,15 +24,15 @@ namespace stickslip {
 /// moves the robot, a Recorder and a WindowObserver look at each step.
 class Run {
 public:
-    /// Ends early where `stop` says. Throws std::invalid_argument for a method that is not in this
-    /// build.
+    /// Ends early where `stop` is met. Throws std::invalid_argument for a method that is not in
+    /// this build.
     explicit Run(const Scenario& scenario, RunControl* control = nullptr,
                  std::optional<StopCondition> stop = std::nullopt);
 
     /// Plays to the end; the result is then to be taken.
     void go();
     RunResult take_result();
-    /// How it ended and what to do about it; see stickslip::message.
+    /// Sentence on how it ended and what to do about it; see stickslip::message.
     std::string message() const;
     /// Gives the record's sink what there is.
     void hand_over_record() { recorder_.take(); }
@@ -57,11 +57,11 @@ public:
     /// Integrates that phase up to its end, or that of the segment of voltage.
     void play_phase();
     Player& player() { return player_; }
-    /// What the steps of the phase begin with.
+    /// Writes the numbers that the steps of the phase begin with.
     template <class Phase, bool kEffects>
     void enter(Phase& phase, StepNumbers<Phase, kEffects>& numbers);
-    /// What an attempt comes to. With a `far_step` the field's far centre has moved; after a
-    /// segment of voltage the phase goes on.
+    /// Outcome of an attempt. With a `far_step` the field's far centre has moved; after a segment
+    /// of voltage the phase goes on.
     enum class Attempt { step, far_step, segment, phase };
     /// Accepts an attempt or not, looks for events, and says in the numbers how to go on.
     template <class Phase, bool kEffects>
@@ -87,7 +87,7 @@ private:
         return true;
 #endif
     }
-    // What is called for each step of a phase, see StepLoop::advance.
+    // Observer that is called for each step of a phase, see StepLoop::advance.
     template <class Phase>
     auto observer(Phase& phase);
     // Goes on from where a phase has ended, after so many steps of the run.
@@ -95,14 +95,14 @@ private:
     void end_phase(Phase& phase, const PhaseEnd<Phase>& end, std::int64_t steps_taken);
     template <class Phase, bool kEffects>
     void play_in_kernel(Phase& phase, const StepKernel<Phase, kEffects>& kernel);
-    // From when on (s, in the segment) steps have to be looked at.
+    // Time (s, in the segment) from which on steps have to be looked at.
     double next_look() const;
     template <class Phase, bool kEffects>
     void set_around(StepNumbers<Phase, kEffects>& numbers) const;
     template <class Phase, bool kEffects>
     void set_memory(StepNumbers<Phase, kEffects>& numbers);
     bool next_segment();
-    // Of a run that ends within a segment.
+    // Ends a run within a segment.
     void end_here();
     void begin();
     void finish();

@@ -18,7 +18,7 @@ std::string joined(const Parts&... parts) {
     return text.str();
 }
 
-// What the steps had to follow: a wrong unit shows in these times.
+// Sentence with the times that the steps had to follow: a wrong unit shows in them.
 std::string times(const RunResult& result) {
     std::string text;
     const StepCounts& steps = result.steps;

@@ -29,20 +29,20 @@ struct RunResult {
     std::string effect;           ///< of the user, that gave what is not finite and ended the run
     double swing_rate = 0.0;      ///< rad/s, of the free swing, for the message
     Decay decay;                  ///< the fastest, for the message
-    HeadingEnd heading_end;       ///< what ended the heading, for the message
+    HeadingEnd heading_end;       ///< why the heading ended, for the message
     std::int64_t most_steps = 0;  ///< solver.max_steps, for the message
     std::shared_ptr<const FieldMap> map;  ///< of the scenario, for the message
 };
 
-/// What happened and what to do about it, in a sentence.
+/// Sentence that says why a run ended and what to do about it.
 std::string message(const RunResult& result);
 
-/// What a simulation shares with the thread that waits for it.
+/// Data that a simulation shares with the thread that waits for it.
 struct RunControl {
     std::atomic<bool> stop = false;
     std::atomic<double> simulated_time = 0.0;  ///< s, done so far by all runs together
 
-    /// Of a run, s. libc++ has no fetch_add of a double before 18.
+    /// Adds the time of a run, s. libc++ has no fetch_add of a double before 18.
     void add_time(double duration) {
         double sum = simulated_time;
         while (!simulated_time.compare_exchange_weak(sum, sum + duration)) continue;

@@ -145,7 +145,7 @@ template <class Phase, bool kEffects>
 
     const auto to_end = p.attempt(phase);
 
-    // What the caller has to see: a step that is not accepted, ends the segment or may hold an
+    // Flags attempts for the caller: a step that is not accepted, ends the segment or may hold an
     // event or a turn of the field; a robot that leaves the middle of the field's expansion.
     auto flagged = (!(p.error <= 1.0)) | to_end | (p.accepted + 1.0 >= p.most_steps) |
                    (!(p.tau + p.step.width > p.tau)) | (n.stalled > 0.0) |
@@ -186,7 +186,7 @@ struct StepsOf {
         return next_attempt(n,
                             PackDynamics<Real, kEffects>(n.robot, n.field, n.named, table, laws));
     }
-    /// Of one run, whose numbers are those of its pack of one.
+    /// Steps of one run, whose numbers are those of a pack of one.
     static StepRound run(One& one, const LawTable& table, const double* laws) {
         constexpr int kMany = 10'000;  // some ms of work: a stop is looked at that often
         Numbers& n = of(&one);

@@ -10,7 +10,7 @@
 
 namespace stickslip {
 
-/// What runs with named effects have beside the numbers of plain ones.
+/// Numbers that only runs with named effects have.
 template <class Real>
 struct EffectNumbers {
     std::array<FurtherExponential<Real>, kMostPackedExponentials - 1> further;
@@ -43,7 +43,7 @@ struct StepNumbers {
 
     // Lists of numbers that a run puts into its place of a pack, or takes from there.
 
-    /// What a phase, or the next segment, begins with.
+    /// Numbers at the beginning of a phase, or of its next segment.
     [[gnu::always_inline]] auto beginning() {
         auto& p = progress;
         return std::tuple_cat(
@@ -52,7 +52,7 @@ struct StepNumbers {
                      p.samples.start, robot, contact_x, slip, workspace),
             around(), going_on());
     }
-    /// What may change between an attempt and the next one.
+    /// Numbers that may change between an attempt and the next one.
     [[gnu::always_inline]] auto going_on() {
         return std::tie(progress.control, progress.look, unarmed, stalled, done);
     }
@@ -68,23 +68,23 @@ static_assert(kListsAll<Tsit5Progress<CornerStickPhase>> && kListsAll<PlainDynam
               kListsAll<FieldSegment<double>> && kListsAll<FarField<double>> &&
               kListsAll<EffectNumbers<double>> && kListsAll<WorkspaceOf<double>>);
 
-/// What came of steps; bit i is of run i of a pack. Attempts that are not flagged are steps; the
+/// Result of an attempt; bit i is of run i of a pack. Attempts that are not flagged are steps; the
 /// caller decides about the others.
 struct StepRound {
     unsigned flagged = 0;
     unsigned to_end = 0;    ///< the attempt goes to the end of its segment
     unsigned may_fire = 0;  ///< an event function may have fallen through zero in it
 
-    /// Of a member of a pack.
+    /// Result of run `i` of a pack.
     StepRound of(std::size_t i) const {
         return {flagged >> i & 1u, to_end >> i & 1u, may_fire >> i & 1u};
     }
 };
 
-/// Of all laws of the runs in a pack.
+/// Most numbers of all laws of the runs in a pack.
 inline constexpr std::size_t kMostPackedLawNumbers = 96;
 
-/// What can be done with runs in phases of one kind.
+/// Functions that step runs in phases of one kind.
 template <class Phase, bool kEffects>
 struct StepKernel {
     using Numbers = StepNumbers<Phase, kEffects>;
@@ -117,7 +117,7 @@ struct StepKernels {
     Phases<true> extended = {};  ///< of runs with them
 };
 
-/// Those of one kind of processor, which has to be this one's (step_kernel.cpp).
+/// Kernels for one kind of processor, which has to be this one's (step_kernel.cpp).
 template <Processor P>
 StepKernels step_kernels_of();
 template <>
@@ -132,7 +132,7 @@ StepKernels step_kernels_of<Processor::x86_64_v4>();
 /// x86-64-v4, and packs of 1 (every run goes alone), 4 or 8 runs. Those with fused multiply-add,
 /// all but the baseline, give the same bits.
 const StepKernels& step_kernels();
-/// As in STICKSLIP_PROCESSOR.
+/// Name of a processor, as in STICKSLIP_PROCESSOR.
 const char* name_of(Processor processor);
 
 }  // namespace stickslip

@@ -16,7 +16,7 @@ struct StopCondition {
     bool from_below = true;  ///< whether it is met at or above `value`, else at or below
     double value = 0.0;
 
-    /// What is left to go; met at zero or below. sign: of the body's x in the world.
+    /// Distance left to the condition; met at zero or below. sign: of the body's x in the world.
     double distance(double time, double sign, const BodyState& body) const {
         const double reached = at(time, sign, body);
         return from_below ? value - reached : reached - value;

@@ -12,8 +12,8 @@
 
 namespace stickslip {
 
-/// What a run comes to, in the world's frame. Units and meanings are in `kSummaryNumbers`; what was
-/// not measured is no number.
+/// Summary of a run, in the world's frame. Units and meanings are in `kSummaryNumbers`; a number
+/// that was not measured is NaN.
 struct Summary {
     static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
@@ -99,7 +99,7 @@ public:
         start_x_ = body.x;
         start_y_ = body.y;
     }
-    /// Where a segment of voltage ends within the window; a pulse ends with a segment.
+    /// Passes the end of a segment of voltage within the window; a pulse ends with a segment.
     void pass(double t, const BodyState& body) {
         if (!(period_ > 0.0)) return;
         // Ends of segments carry rounding.
@@ -130,7 +130,7 @@ public:
     bool is_open() const { return open_; }
     double start() const { return start_; }  ///< s
 
-    /// A phase, or its part within a segment of voltage, that took `duration` s.
+    /// Adds a phase, or its part within a segment of voltage, that took `duration` s.
     template <class Phase>
     void phase(const Phase& phase, const PhaseEnd<Phase>& end, double duration, int quadrant) {
         if (!open_) return;
@@ -170,7 +170,7 @@ private:
     double period_;
     bool open_ = false;
     std::int64_t pulses_ = 0;
-    /// Where a quarter of the window's pulses ends, or the first begins.
+    /// Time and place where a quarter of the window's pulses ends, or the first begins.
     struct Mark {
         std::int64_t pulses = 0;
         double t = 0.0, x = 0.0, y = 0.0;

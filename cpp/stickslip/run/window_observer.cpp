@@ -8,8 +8,8 @@
 namespace stickslip {
 namespace {
 
-// Of the velocity scale, at which a robot swings freely by a radian: what it hardly exceeds while
-// the field turns. Twice as much changes no extreme of tests/test_extremes.py by 1e-6.
+// Speed that a robot hardly exceeds while the field turns, over the velocity scale, at which it
+// swings freely by a radian. Twice as much changes no extreme of tests/test_extremes.py by 1e-6.
 constexpr double kUsualSpeed = 0.1;
 
 }  // namespace

@@ -13,8 +13,8 @@
 
 namespace stickslip {
 
-/// What a run comes to: gathers the summary from the motion of a Player, over the measuring window
-/// and over the whole run.
+/// Gathers the summary of a run from the motion of a Player, over the measuring window and over the
+/// whole run.
 class WindowObserver {
 public:
     using BodyAt = FunctionRef<BodyState(double tau)>;
@@ -27,10 +27,10 @@ public:
           drive_(player.circuit()),
           asks_pull_(scenario.record.pull_share) {}
 
-    /// Where a segment begins or the run ends, `time` s: opens and closes the window. Boundaries of
-    /// segments carry rounding; the window's ends are some of them.
+    /// Opens or closes the window where a segment begins or the run ends, at `time` s. Boundaries
+    /// of segments carry rounding; the window's ends are some of them.
     void watch_window(double time);
-    /// Where a run stops before its window ends, or at the end.
+    /// Closes the window at `time` s, where a run stops before its end, or at the end.
     void close(double time) {
         if (observer_.is_open()) close_window(time);
     }
@@ -38,7 +38,7 @@ public:
     void begin() { start_fields_ = player_.field_of_coils(); }
     /// Lists the times at which |B| may turn in the segment that has just begun.
     void plan_looks();
-    /// From when on the field has to be looked at within steps, s in the segment.
+    /// Time in the segment from which the field has to be looked at within steps, s.
     double next_look() const { return next_look_; }
     /// The field in what has been played from one time of the segment to another, where it may
     /// turn. `body_at(tau)` gives the body at any time in that span.
@@ -47,12 +47,12 @@ public:
     bool weighs() const { return asks_pull_ && observer_.is_open(); }
     /// The pull in a step, or its part, from one time of the segment to another.
     void weigh(double from, double to, BodyAt body_at);
-    /// A phase, or its part within a segment, that took `duration` s.
+    /// Adds a phase, or its part within a segment, that took `duration` s.
     template <class Phase>
     void phase(const Phase& phase, const PhaseEnd<Phase>& end, double duration) {
         observer_.phase(phase, end, duration, player_.body().quadrant);
     }
-    /// A segment that has ended, or its first `duration` s.
+    /// Adds a segment that has ended, or its first `duration` s.
     void end_segment(double duration);
     /// Writes all numbers of the summary; those of the window are empty unless it has closed.
     void write(Summary& summary) const;

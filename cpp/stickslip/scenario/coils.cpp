@@ -21,7 +21,7 @@ constexpr Value kValues[] = {&CoilParameters::resistance,  &CoilParameters::indu
 constexpr std::size_t kValueCount = std::size(kValues);
 constexpr std::size_t kFirstOfGeometry = 3;  // those before are of the circuit
 
-// Of all coils; without accessors.
+// Parameters of all coils, without accessors.
 // clang-format off
 constexpr std::array<Parameter, kValueCount> kRows = {{
     {.key = "coil.resistance", .unit = "ohm", .low = 0, .high = 1e9, .low_allowed = false,

@@ -19,7 +19,7 @@ bool is_of_one_coil(std::string_view key);
 /// The coils in the frame of the robot, which may be turned.
 PerCoilOf<CoilParameters> robot_coils(const Scenario& scenario, const RobotFrame& frame);
 
-/// What makes the field: the windings of such coils, or the scenario's map.
+/// Sources of the field: the windings of the scenario's coils, or its map.
 CoilSet world_coil_set(const Scenario& scenario);
 CoilSet robot_coil_set(const Scenario& scenario, const RobotFrame& frame);
 

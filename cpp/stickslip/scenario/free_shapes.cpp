@@ -10,7 +10,7 @@
 namespace stickslip {
 namespace {
 
-// Of f at a knot: below -1 a field would change its sign.
+// Limits of f at a knot: below -1 a field would change its sign.
 constexpr double kLowest = -1.0, kHighest = 100.0;
 constexpr double kWidestAngle = 3.2;  // rad
 
@@ -20,8 +20,8 @@ struct Hook {
     FreeShape Effects::*shape;
     std::array<const char*, kKnots + 1> keys;  // of the span and the knots
     const char* unit;                          // of the argument
-    double low, high;                          // of the span
-    const char* span;                          // its meaning
+    double low, high;                          // limits of the span
+    const char* span;                          // meaning of the span
 };
 
 constexpr const char* kSource =

@@ -84,7 +84,7 @@ constexpr Row kRows[] = {
         "k in: adhesion times (1 + k ln(1 + age/time)), age since touch-down"},
        {"effects.adhesion_ageing.time", "s", 1e-9, 1e4, "time in the same", 1e-3}}},
      STICKSLIP_AMPLITUDE(n[0]), STICKSLIP_SCALE(n[1])},
-    // Of the linear drag alone.
+    // Multiplies the linear drag alone.
     {{"angle_drag", "the fluid's drag depends on the angle of the body",
       "suspected in section VI-C"},
      {drag, adds, cosine, square},

@@ -53,7 +53,7 @@ std::optional<LawPlace> find_law_key(std::string_view key);
 /// Throws std::invalid_argument naming key, value and what is allowed.
 void set_law(Scenario& scenario, const LawPlace& place, double value);
 void set_law(Scenario& scenario, const LawPlace& place, std::string_view word);
-/// The same by the place of the word.
+/// The same by the index of the word.
 void set_law_word(Scenario& scenario, const LawPlace& place, double index);
 void remove_law(Scenario& scenario, std::string_view name);
 /// The law of that name; nullptr if there is none.
@@ -66,7 +66,7 @@ void check_own_laws(const Scenario& scenario);
 /// The curve of the law of that name, if it has one.
 std::optional<FreeShape> curve_of_law(const Scenario& scenario, std::string_view name);
 
-/// Those that are complete and not absent, in the world's frame.
+/// Own laws that are complete and not absent, in the world's frame.
 std::vector<Law> own_laws(const Scenario& scenario);
 
 }  // namespace stickslip

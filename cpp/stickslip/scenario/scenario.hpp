@@ -52,7 +52,7 @@ struct DragParameters {
 
 /// The numbers of the named laws, two of each at most, in the order of the rows of named_laws.cpp.
 using NamedLawNumbers = std::array<std::array<double, 2>, 12>;
-/// Those with which none of them acts.
+/// Numbers with which none of the named laws acts.
 const NamedLawNumbers& absent_laws();
 
 /// Parameters of the named extensions. Each is absent at zero; see parameters.cpp for their
@@ -96,7 +96,7 @@ struct SolverSettings {
 
 enum class RecordKind { none, events, uniform };
 
-/// Of the recorded numbers but t, which always has float64.
+/// Type of the recorded numbers but t, which is always float64.
 enum class Precision { float64, float32 };
 
 struct RecordSettings {
@@ -107,8 +107,8 @@ struct RecordSettings {
     /// Takes the record chunk by chunk while the run goes on, on the thread that plays it; without
     /// it the record is kept to the end.
     std::function<void(Recording&&)> sink = nullptr;
-    Precision dtype = Precision::float64;  ///< of what is kept of the record outside of the core
-    bool pull_share = false;               ///< whether the summary has that number
+    Precision dtype = Precision::float64;  ///< of the record's columns outside of the core
+    bool pull_share = false;               ///< whether the summary has `pull_share`
 };
 
 /// All that defines one simulation.

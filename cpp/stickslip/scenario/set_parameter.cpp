@@ -31,7 +31,7 @@ std::string_view without_blanks(std::string_view text) {
     return text;
 }
 
-// Of one of the words; `value` is all that was given.
+// Index of one word of a choice; `value`: the whole text that was given, for the message.
 std::size_t place_of_word(const Choice& choice, std::string_view word, std::string_view value) {
     std::string allowed;
     for (std::size_t i = 0; i < choice.allowed.size(); ++i) {

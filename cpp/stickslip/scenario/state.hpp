@@ -9,7 +9,7 @@
 
 namespace stickslip {
 
-/// What a state says of its contact: the modes of a recording, or what the motion says.
+/// Contact mode of a state: one of a recording's, or `from_motion`, derived from the motion.
 enum class ContactWord {
     from_motion,
     flight,

@@ -74,7 +74,7 @@ void register_user_effect(UserEffect effect) {
     const std::lock_guard lock(all.mutex);
     ++all.changes;
     const auto found = find_in(all.effects, handle->name);
-    // What was there is let go of after the lock: it may wait for others to be freed.
+    // The replaced effect is destroyed after the lock: that may wait for others to be freed.
     if (found == all.effects.end()) {
         all.effects.push_back(std::move(handle));
     } else {
@@ -83,7 +83,7 @@ void register_user_effect(UserEffect effect) {
 }
 
 void unregister_user_effect(std::string_view name) {
-    // Let go of after the lock: what an effect holds may wait for others to be freed.
+    // Destroyed after the lock, which may wait for others to be freed.
     UserEffectHandle gone;
     Registry& all = registry();
     const std::lock_guard lock(all.mutex);

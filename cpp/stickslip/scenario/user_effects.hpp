@@ -20,10 +20,10 @@ bool is_word(std::string_view text);
 /// Throws std::invalid_argument if there is none of that name.
 void unregister_user_effect(std::string_view name);
 
-/// All that are registered, in the order in which they were.
+/// All registered effects, in the order of registration.
 std::vector<UserEffectHandle> user_effects();
 
-/// How often what is registered has changed.
+/// Number of changes of the registered effects so far.
 std::size_t registrations();
 
 /// One parameter of a registered effect.

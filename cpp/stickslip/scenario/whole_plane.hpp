@@ -13,8 +13,8 @@ RobotFrame frame_of(const Scenario& scenario);
 /// Throws std::invalid_argument for what has no meaning in the whole plane.
 void check_plane(const Scenario& scenario, const RobotFrame& frame);
 
-/// Where the drive sends the robot. A program, whose voltages do that themselves, has a direction
-/// alone: where the robot faces before.
+/// Direction in which the drive sends the robot. A program, whose voltages do that themselves, has
+/// only the direction that the robot faces before.
 SurfaceDirection drive_direction(const Scenario& scenario);
 
 /// Whether held voltages, or currents, turn the scenario's robot, or push it across.

@@ -89,7 +89,7 @@ ArkodeSession::ArkodeSession(const ArkodeProblem& problem, double t, const doubl
     require(ERKStepSetMaxNumSteps(h.memory, -1), "step limit");
     if (max_step > 0.0) require(ERKStepSetMaxStep(h.memory, max_step), "longest step");
 #if SUNDIALS_VERSION_MAJOR < 7
-    // What goes wrong is a status of the run, not a line on stderr.
+    // An error is a status of the run, not a line on stderr.
     require(ERKStepSetErrFile(h.memory, nullptr), "error file");
 #endif
 }

@@ -10,7 +10,7 @@ namespace stickslip {
 /// Rates of one phase for ARKODE.
 struct ArkodeProblem {
     int dimension = 0;
-    /// What it throws is thrown by ArkodeSession::step and interpolate.
+    /// Right-hand side; ArkodeSession::step and interpolate throw on what it throws.
     std::function<void(double t, const double* y, double* dydt)> rates;
 };
 

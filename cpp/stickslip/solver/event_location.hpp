@@ -43,7 +43,7 @@ struct EventSamples {
         return fma(Real(w[2]), end[i], fma(Real(w[1]), late[i], w[0] * early[i]));
     }
 
-    /// Where the tangents at the ends, of these two slopes, have the same value.
+    /// Fraction of the step at which the tangents at the ends, of these two slopes, meet.
     [[gnu::always_inline]] Real tangents_meet(std::size_t i, Real falling, Real rising) const {
         const Real meet = (end[i] - start[i] - rising) / (falling - rising);
         return lesser(greater(meet, Real(0.0)), Real(1.0));
@@ -73,7 +73,7 @@ struct EventSamples {
                !may_dip(i);
     }
 
-    /// Of function i alone.
+    /// Samples of function i alone.
     EventSamples<1, Real> only(std::size_t i) const {
         return {{start[i]}, {end[i]}, {early[i]}, {late[i]}, {lowest[i]}};
     }

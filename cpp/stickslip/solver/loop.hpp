@@ -29,7 +29,7 @@ public:
     explicit StepLoop(const StepperOptions& options) : options_(options), method_(options) {}
 
     const StepCounts& counts() const { return counts_; }
-    /// Goes on counting from these; options.most_steps limits the sum.
+    /// Sets the counts to go on from; options.most_steps limits the sum.
     void set_counts(const StepCounts& counts) { counts_ = counts; }
 
     /// Integrates from `tau` to `tau_end` or the first event. `observe(step, s)` is called
@@ -83,8 +83,8 @@ public:
         memory.begin(progress.samples.start, phase.event_rounding());
     }
 
-    /// What an attempt comes to: an accepted step, still to be committed; a rejected one; the end
-    /// of the phase or of the segment.
+    /// Outcome of an attempt: an accepted step, still to be committed; a rejected one; the end of
+    /// the phase or of the segment.
     enum class Finish { accepted, rejected, phase };
     /// Accepts an attempt or not and looks for events, if it `may_fire` one. place: where it ends.
     template <class Phase, class Observer>

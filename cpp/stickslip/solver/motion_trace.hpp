@@ -18,7 +18,7 @@ public:
     [[gnu::always_inline]] Real at(Real s) const {
         return fma(s, fma(s, fma(s, c3_, c2_), c1_), c0_);
     }
-    /// Where the slope is zero, which has different signs at the two ends.
+    /// Zero of the slope, which has different signs at the two ends.
     [[gnu::always_inline]] Real turning_point() const {
         const Real size = root(c2_ * c2_ - 3.0 * c1_ * c3_);
         return c1_ / (select(c1_ > 0.0, size, -size) - c2_);
@@ -28,7 +28,7 @@ private:
     Real c0_, c1_, c2_, c3_;
 };
 
-/// What the summary wants of the motion in a phase: numbers alone, as in Tsit5Progress.
+/// Extremes of the motion in a phase, for the summary: numbers alone, as in Tsit5Progress.
 template <class Real>
 struct MotionTrace {
     Real lowest, highest;  ///< rad, angles within the quadrant

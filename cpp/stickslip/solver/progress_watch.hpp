@@ -10,7 +10,7 @@ public:
     /// burst_span: s, in which only so many events may follow each other.
     explicit ProgressWatch(double burst_span) : burst_span_(burst_span) {}
 
-    /// Of a segment of voltage.
+    /// A segment of voltage begins.
     void begin() { *this = ProgressWatch(burst_span_); }
 
     /// An event at `now` s.

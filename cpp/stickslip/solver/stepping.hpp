@@ -8,10 +8,10 @@
 
 #include "stickslip/solver/motion_trace.hpp"
 
-/// What the two integrators share.
+/// Types that the two integrators share.
 namespace stickslip {
 
-/// What ends a phase of smooth motion.
+/// Events that end a phase of smooth motion.
 enum class Event {
     none,
     lift_off,         ///< the reaction of a single corner reaches zero
@@ -77,8 +77,8 @@ struct StepCounts {
     std::int64_t evaluations = 0;
 };
 
-/// What an observer of steps answers while the run goes on: a fraction of the step at which it is
-/// to stop is between 0 and 1.
+/// Answer of an observer of steps while the run goes on; to stop it, the observer returns the
+/// fraction of the step, 0 to 1, at which it ends.
 inline constexpr double kGoesOn = 2.0;
 
 /// Which event functions have been positive since the phase began, or since the segment of voltage
@@ -86,8 +86,8 @@ inline constexpr double kGoesOn = 2.0;
 struct PhaseMemory {
     static constexpr std::size_t kMost = 8;
     std::array<bool, kMost> armed = {};
-    bool born = true;      ///< by an event; else the phase goes on in a new segment
-    bool stalled = false;  ///< the last events hardly brought the time further
+    bool born = true;      ///< begun by an event; else the phase goes on in a new segment
+    bool stalled = false;  ///< the last events hardly advanced the time
 
     /// `least`: what a value has to exceed to be positive by more than rounding. In a phase that
     /// goes on, a function below it has fallen with the forces, which may jump between segments.

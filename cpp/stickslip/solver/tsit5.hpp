@@ -168,7 +168,7 @@ struct WidthControl {
         return std::tie(proposal, log_error, rejected);
     }
 
-    /// An error below 1e-4 of the tolerance is taken for that.
+    /// Lower limit of the log2 of the error: one below 1e-4 of the tolerance is taken as that.
     static constexpr double kLeastLogError = -13.3;
 
     /// After an accepted step. `cut`: it was shortened to the end of a segment, and its length says
@@ -204,7 +204,7 @@ struct Tsit5Progress {
     Real max_step;           ///< s, infinite for no limit
     Real min_time_constant;  ///< s
     Real half_reach;         ///< m
-    // What goes on from step to step.
+    // State carried from step to step.
     Real tau;       ///< s
     Real look;      ///< s, from when on a step has to be looked at
     Real accepted;  ///< steps
@@ -260,7 +260,7 @@ struct Tsit5Progress {
         blend<Real>(done, samples.start, samples.end);
     }
 
-    // Of one run.
+    // For one run, not a pack.
 
     bool is_accepted() const { return error <= 1.0; }
     Status reject(StepCounts& counts) {

@@ -23,10 +23,10 @@ from stickslip import Cause, Diagnosis, Parameter, Prior, Table, diagnose_model,
 Values = dict[str, np.ndarray]
 
 _FRICTION = Parameter("friction", Prior("log-uniform", 0.1, 1.0), cause=False)
-"""Of paper on paper, known only in range."""
+"""Friction of paper on paper, known only in range."""
 
 _SIZE = 0.02
-"""Of the weight. Chosen: what ageing by one factor e gives on many materials."""
+"""Usual size of a change, in weights. Chosen: ageing by one factor e on many materials."""
 
 
 def _change(name: str) -> Parameter:
