@@ -69,16 +69,8 @@ CALLED = {
 }  # fmt: skip
 """What columns are called by people and programs in place of their names."""
 FORMS = (
-    "{} ({})",
-    "{} [{}]",
-    "{} / {}",
-    "{}[{}]",
-    "{}({})",
-    "{}, {}",
-    "{}_{}",
-    "{} in {}",
-    "{} {}",
-)
+    "{} ({})", "{} [{}]", "{} / {}", "{}[{}]", "{}({})", "{}, {}", "{}_{}", "{} in {}", "{} {}",
+)  # fmt: skip
 
 
 def told(random: Random, how: str, name: str, si: str, values: Sequence[float]) -> Written:

@@ -176,19 +176,14 @@ def _core_speed(drive, coils, contact):
 @needs_kernel
 @pytest.mark.parametrize(
     ("drive", "coils", "contact"),
-    [
-        (IPP, "single", {}),
-        (IPP, "pairs", {}),
-        (OPP, "single", {}),
-        (OPP, "pairs", {}),
-        (SLOW, "single", {}),
-        (FAST_OPP, "single", {}),
-        (OPP, "single", {"static_friction": 0.8, "kinetic_friction": 0.58}),
-        (IPP, "single", {"restitution": 0.3}),
-        (IPP, "single", {"adhesion": 0.0}),
-        (SLOW, "pairs", {"static_friction": 0.1, "kinetic_friction": 0.1}),
-    ],
-)
+    [(IPP, "single", {}), (IPP, "pairs", {}), (OPP, "single", {}), (OPP, "pairs", {}),
+     (SLOW, "single", {}),
+     (FAST_OPP, "single", {}),
+     (OPP, "single", {"static_friction": 0.8, "kinetic_friction": 0.58}),
+     (IPP, "single", {"restitution": 0.3}),
+     (IPP, "single", {"adhesion": 0.0}),
+     (SLOW, "pairs", {"static_friction": 0.1, "kinetic_friction": 0.1})],
+)  # fmt: skip
 def test_planar_walks_are_those_of_the_core(drive, coils, contact):
     # At 1 us the reference errs by up to 7e-4.
     expected, found = _core_speed(drive, coils, contact), walk(drive, 0.0, coils, contact=contact)

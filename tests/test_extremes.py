@@ -14,14 +14,10 @@ ENOUGH = 1e-6
 # velocity by some 0.1 m/s in a gradient of some 0.03 T/m.
 KINK = 0.03 * 0.1 / RATE
 UNEQUAL = {
-    "coil.xm.inductance": 0.12,
-    "coil.xm.turns": 430.0,
-    "coil.clamp.resistance": 14.0,
-    "coil.clamp.inductance": 0.03,
-    "coil.yp.inductance": 0.05,
-    "coil.ym.inductance": 0.05,
+    "coil.xm.inductance": 0.12, "coil.xm.turns": 430.0, "coil.clamp.resistance": 14.0,
+    "coil.clamp.inductance": 0.03, "coil.yp.inductance": 0.05, "coil.ym.inductance": 0.05,
     "effects.mutual_inductance.coupling": 0.15,
-}
+}  # fmt: skip
 STEADY = {"coil.yp.inductance": 0.07, "coil.ym.inductance": 0.07}
 
 

@@ -42,15 +42,10 @@ from stickslip.field.map_fit import _Basis
 FIVE = np.array([2.0, -1.0, 0.5, 0.3, -3.0])
 RUNS = {
     "IPP": {"drive.base": 0.5e-3, "drive.pulses": 20},
-    "OPP": {
-        "drive.mode": "OPP",
-        "drive.frequency": 30.0,
-        "drive.hold": 2.5e-3,
-        "drive.edge": "fall",
-        "drive.pulses": 12,
-    },
+    "OPP": {"drive.mode": "OPP", "drive.frequency": 30.0, "drive.hold": 2.5e-3,
+            "drive.edge": "fall", "drive.pulses": 12},
     "turned": {"drive.base": 0.5e-3, "drive.pulses": 20, "drive.direction": "-x"},
-}
+}  # fmt: skip
 
 
 @pytest.fixture(scope="module")

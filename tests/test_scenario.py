@@ -214,16 +214,11 @@ def test_what_is_no_key_is_kept_when_a_scenario_is_copied(tmp_path):
 
 
 ONE_OF_EACH_KIND = {
-    "drive.mode": "OPP",
-    "drive.hold": 2.5e-3,
-    "drive.direction": "-x",
-    "drive.pulses": 5,
+    "drive.mode": "OPP", "drive.hold": 2.5e-3, "drive.direction": "-x", "drive.pulses": 5,
     "contact.kinetic_friction": 0.1,
     "effects.surface_tilt.angle": 0.03,
-    "solver.rtol": 1e-6,
-    "record.from": 0.06,
-    "record.rate": "events",
-}
+    "solver.rtol": 1e-6, "record.from": 0.06, "record.rate": "events",
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("key", ONE_OF_EACH_KIND)

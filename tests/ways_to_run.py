@@ -332,12 +332,9 @@ def in_both_planes(table: Table) -> Iterator[str]:
 
 # What points somewhere along the surface of the world.
 TURNED_KEYS = (
-    "effects.ambient_field.Bx",
-    "effects.ambient_field.By",
-    "effects.surface_tilt.angle",
-    "effects.friction_patches.amplitude",
-    "shake.amplitude_x",
-)
+    "effects.ambient_field.Bx", "effects.ambient_field.By", "effects.surface_tilt.angle",
+    "effects.friction_patches.amplitude", "shake.amplitude_x",
+)  # fmt: skip
 
 
 def turned(scenario: Scenario) -> Scenario:
@@ -408,15 +405,11 @@ def _ahead(run: Run) -> float:
 WAYS: dict[str, Way] = {
     "batch": batch,
     **{f"packs of {width}": functools.partial(packs, width=width) for width in (1, 4, 8)},
-    "recorded": recorded,
-    "swept": swept,
-    "stepped": stepped,
-    "restored": restored,
-    "begun again": begun_again,
-    "rolled out": rolled_out,
+    "recorded": recorded, "swept": swept, "stepped": stepped, "restored": restored,
+    "begun again": begun_again, "rolled out": rolled_out,
     "in both planes": in_both_planes,
     "from behind": from_behind,
-}
+}  # fmt: skip
 
 
 def main() -> None:

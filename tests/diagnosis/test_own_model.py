@@ -56,14 +56,11 @@ def test_texts_tell_conditions_apart_and_have_no_place():
 
 @pytest.mark.parametrize(
     "settings",
-    [
-        {"x": X, "k": np.arange(12)},
-        pd.DataFrame({"x": X, "k": np.arange(12)}),
-        np.column_stack([X, np.arange(12)]),
-        [{"x": x, "k": k} for k, x in enumerate(X)],
-    ],
-    ids=["mapping", "DataFrame", "array", "rows"],
-)
+    [{"x": X, "k": np.arange(12)},
+     pd.DataFrame({"x": X, "k": np.arange(12)}),
+     np.column_stack([X, np.arange(12)]),
+     [{"x": x, "k": k} for k, x in enumerate(X)]], ids=["mapping", "DataFrame", "array", "rows"],
+)  # fmt: skip
 def test_settings_are_given_in_any_usual_way(settings):
     table = Table(settings, X, sd=0.1)
     assert table.condition.tolist() == list(range(12))
