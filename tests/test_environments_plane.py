@@ -149,11 +149,11 @@ FAILURES = {
         {"task": "follow"},
         lambda k, random: [0.0, TOOTH[k % 10] if k >= 50 else 0.0, -0.4],
     ),
-    "heading_lost": ({"task": "reach", "coils": ("yp", "clamp"), "voltage": 25.0}, lambda k,
-                     random: [1.0 if k < 100 else -1.0, 0.0]),
+    "heading_lost": ({"task": "reach", "coils": ("yp", "clamp"), "voltage": 25.0},
+                     lambda k, random: [1.0 if k < 100 else -1.0, 0.0]),
     # Voltages of single coils chosen at random: the field is weak, and its direction jumps.
-    "turns_too_fast": ({"task": "reach", "coils": COILS}, lambda k,
-                       random: random.uniform(-1.0, 1.0, 5)),
+    "turns_too_fast": ({"task": "reach", "coils": COILS},
+                       lambda k, random: random.uniform(-1.0, 1.0, 5)),
 }  # fmt: skip
 
 
