@@ -6,17 +6,7 @@ import pickle
 import numpy as np
 import pytest
 
-from stickslip import (
-    COIL_NAMES,
-    Coil,
-    Coils,
-    Drive,
-    Scenario,
-    Waveform,
-    load,
-    simulate,
-    sweep,
-)
+from stickslip import COIL_NAMES, Coil, Coils, Drive, Scenario, Waveform, load, simulate, sweep
 from stickslip.scenario.sections import OneCoil
 from stickslip.walker.library import library
 

@@ -19,18 +19,7 @@ from hypothesis import strategies as st
 import laws
 from fine_record import recorded
 from free_shapes import LAWS
-from populations import (
-    EFFECTS,
-    EXTREME,
-    USUAL,
-    Draw,
-    extreme,
-    paper,
-    population,
-    usual,
-    wide,
-    wild,
-)
+from populations import EFFECTS, EXTREME, USUAL, Draw, extreme, paper, population, usual, wide, wild
 from stickslip import Coil, Robot, Scenario, Solver, _core, simulate, simulate_batch
 from stickslip.scenario.keys import SAWTOOTH, known_keys
 

@@ -68,11 +68,7 @@ def packs(table: Table, width: int) -> Iterator[str]:
         "PYTHONPATH": os.pathsep.join([folder, *sys.path]),
     }
     done = subprocess.run(
-        [sys.executable, "-c", code],
-        capture_output=True,
-        text=True,
-        env=environment,
-        check=False,
+        [sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=False
     )
     assert done.returncode == 0, done.stderr
     packed = json.loads(done.stdout)
@@ -260,9 +256,7 @@ def restored(table: Table) -> Iterator[str]:
 
 
 # They know the time since the run began, or how the voltage came to where it is, or will.
-NOT_BEGUN_AGAIN = {
-    *("late", "sample_hold", "free_friction_age", "free_field_time", *OWN),
-}
+NOT_BEGUN_AGAIN = {*("late", "sample_hold", "free_friction_age", "free_field_time", *OWN)}
 
 
 def begun_again(table: Table) -> Iterator[str]:

@@ -15,16 +15,7 @@ from sliding_block import (
     push,
     result,
 )
-from stickslip import (
-    Cause,
-    Parameter,
-    Prior,
-    Series,
-    Table,
-    diagnose_model,
-    instruments,
-    models,
-)
+from stickslip import Cause, Parameter, Prior, Series, Table, diagnose_model, instruments, models
 from stickslip._util.note import Note
 from stickslip.diagnosis.fitting.descent import End, derivatives, finished
 from stickslip.diagnosis.fitting.forms import forms
