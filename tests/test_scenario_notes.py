@@ -90,16 +90,20 @@ def test_notes_are_of_the_kind_of_drive(mode, code, changes, kinds):
 
 @pytest.mark.parametrize(
     "changes",
-    [{}, {"drive.pulses": 4}, {"solver.rtol": 1e-5},
-     {"coil.turns": 510.0, **FIVE},
-     {**FIVE, "coil.turns": 200.0, "coil.yp.turns": 200.0},
-     {"contact.tangential_restitution": 0.6, "contact.restitution": 0.1},
-     # What shakes it is not the field.
-     {"drive.base": 2.5e-3, "shake.amplitude_x": 1e-6, "shake.frequency": 100.0},
-     {"drive.base": 2.5e-3, "shake.amplitude_z": 1e-6, "shake.frequency": 100.0},
-     {"drive.base": 2.5e-3, "shake.accelerations": Accelerations([[0, 1, 0], [1e-2, -1, 0]])},
-     {"drive.base": 2.5e-3, "inner.mass": 1e-9, "inner.stiffness": 1.0}],
-)  # fmt: skip
+    [
+        {},
+        {"drive.pulses": 4},
+        {"solver.rtol": 1e-5},
+        {"coil.turns": 510.0, **FIVE},
+        {**FIVE, "coil.turns": 200.0, "coil.yp.turns": 200.0},
+        {"contact.tangential_restitution": 0.6, "contact.restitution": 0.1},
+        # What shakes it is not the field.
+        {"drive.base": 2.5e-3, "shake.amplitude_x": 1e-6, "shake.frequency": 100.0},
+        {"drive.base": 2.5e-3, "shake.amplitude_z": 1e-6, "shake.frequency": 100.0},
+        {"drive.base": 2.5e-3, "shake.accelerations": Accelerations([[0, 1, 0], [1e-2, -1, 0]])},
+        {"drive.base": 2.5e-3, "inner.mass": 1e-9, "inner.stiffness": 1.0},
+    ],
+)
 def test_what_is_just_sound_gets_none(changes):
     assert scenario_notes(Scenario().replace(changes)) == []
 
