@@ -25,7 +25,6 @@ PROGRAMS = {
     "planned": ("planned", "hidden causes named after a planned and after an even table"),
     "causes": ("causes", "a benchmark for any tool that names causes: make, run, score"),
     "drawn": ("drawn_logs", "drawn logs and tables of known truth, right, noted or refused"),
-    "reading": ("reading", "CPU time of reading 200 000 rows of six columns"),
     "real": ("real.study", "measured sets with a known cause, diagnosed and judged"),
     "drops": ("real.drops", "drops of a real square beside the core"),
     "mutations": ("mutations", "whether the tests see a change of the C++ or Python sources"),

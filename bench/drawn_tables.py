@@ -69,16 +69,8 @@ CALLED = {
 }  # fmt: skip
 """Other names of columns that people and programs use."""
 FORMS = (
-    "{} ({})",
-    "{} [{}]",
-    "{} / {}",
-    "{}[{}]",
-    "{}({})",
-    "{}, {}",
-    "{}_{}",
-    "{} in {}",
-    "{} {}",
-)
+    "{} ({})", "{} [{}]", "{} / {}", "{}[{}]", "{}({})", "{}, {}", "{}_{}", "{} in {}", "{} {}",
+)  # fmt: skip
 
 
 def told(random: Random, how: str, name: str, si: str, values: Sequence[float]) -> Written:

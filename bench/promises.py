@@ -89,24 +89,19 @@ def turning() -> float:
 
 PROMISES: list[tuple[str, Callable[[], float], float]] = [
     ("import stickslip (s)", importing, 0.3),
-    *(
-        (f"Ctrl-C ends a run, {name} (s)", lambda settings=settings: interrupting(settings), 0.2)
-        for name, settings in ENDLESS.items()
-    ),
+    *((f"Ctrl-C ends a run, {name} (s)", lambda settings=settings: interrupting(settings),
+       0.2) for name, settings in ENDLESS.items()),
     ("100 times as many pulses (times the CPU time)", lengthening, 105.0),
     (
         "a sweep (times the CPU time of its runs)",
         lambda: against_single_runs(REPEATS, REPEATS)["ratio"],
         1.1,
     ),
-    (
-        "a point of a sweep beyond its run (CPU us)",
-        lambda: overhead(1)["cpu_microseconds_a_point"],
-        20.0,
-    ),
+    ("a point of a sweep beyond its run (CPU us)", lambda: overhead(1)["cpu_microseconds_a_point"],
+     20.0),
     ("a step beside the physics (CPU us)", stepping, 5.0),
     ("a simulated second in the whole plane (CPU s)", turning, 5e-3),
-]
+]  # fmt: skip
 
 
 def main() -> int:

@@ -52,14 +52,8 @@ def tolerance_table(repeats: int) -> list[dict[str, float | str]]:
     costs = cpu_seconds_in_turn(works, repeats)
     for (method, rtol), cost in zip(pairs, costs, strict=True):
         error = float(np.sqrt(np.mean((velocities(method, rtol) / exact - 1.0) ** 2)))
-        rows.append(
-            {
-                "method": method,
-                "rtol": rtol,
-                "simulated_per_cpu_second": time / cost,
-                "velocity_error": error,
-            }
-        )
+        rows.append({"method": method, "rtol": rtol, "simulated_per_cpu_second": time / cost,
+                     "velocity_error": error})  # fmt: skip
     return rows
 
 
@@ -81,11 +75,8 @@ def long_run(repeats: int) -> dict[str, float]:
     short, long = cpu_seconds_in_turn(
         [lambda scenario=scenario: stickslip.simulate(scenario) for scenario in scenarios], repeats
     )
-    return {
-        "cpu_seconds_100_pulses": short,
-        "cpu_seconds_10000_pulses": long,
-        "ratio": long / short,
-    }
+    return {"cpu_seconds_100_pulses": short, "cpu_seconds_10000_pulses": long,
+            "ratio": long / short}  # fmt: skip
 
 
 def main() -> None:
@@ -111,13 +102,8 @@ def main() -> None:
     scaling = long_run(3)
     print(f"\n100 times as many pulses cost {scaling['ratio']:.1f} times the CPU time")
 
-    result = {
-        "core": core,
-        "reference_run": REFERENCE.to_toml(),
-        "tolerances": rows,
-        "equal_accuracy": equal,
-        "long_run": scaling,
-    }
+    result = {"core": core, "reference_run": REFERENCE.to_toml(), "tolerances": rows,
+              "equal_accuracy": equal, "long_run": scaling}  # fmt: skip
     saved(options.out, "speed", result)
 
 

@@ -65,12 +65,10 @@ def main() -> None:
     add_out(parser, "sweep")
     options = parser.parse_args()
     load = os.getloadavg()[0]
-    result = {
-        "load_before": load,
-        "against_single_runs": against_single_runs(options.repeats, options.repeats),
-        "threads": speed_up(options.repeats, options.jobs),
-        "overhead": overhead(3),
-    }
+    single = against_single_runs(options.repeats, options.repeats)
+    result = {"load_before": load, "against_single_runs": single,
+              "threads": speed_up(options.repeats, options.jobs),
+              "overhead": overhead(3)}  # fmt: skip
     for name, figures in result.items():
         print(name, figures)
     saved(options.out, "sweep", result)

@@ -40,15 +40,9 @@ THREE_LAWS = {
     "effects.angle_drag.strength": 0.5,
 }
 CURVE = {
-    "laws.curve": Law(
-        quantity="sliding_friction",
-        over="slip_speed",
-        form="curve",
-        fraction=1.0,
-        scale=0.02,
-        knots=(0.1, -0.1, 0.1, -0.1, 0.0),
-    ),
-}
+    "laws.curve": Law(quantity="sliding_friction", over="slip_speed", form="curve", fraction=1.0,
+                      scale=0.02, knots=(0.1, -0.1, 0.1, -0.1, 0.0)),
+}  # fmt: skip
 
 Answer = tuple[float, list[float]]
 """Simulated seconds, and mean velocities by which two versions are compared."""

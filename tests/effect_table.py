@@ -43,17 +43,9 @@ Keys = Mapping[str, Any]
 # Of a parameter that is zero by default: what the robot of Table II on its drive notices, by unit.
 # A time that is a power of two keeps the times of steps exact.
 SIZES = {
-    "-": 0.15,
-    "rad": 0.05,
-    "T": 1e-4,
-    "V": 15.0,
-    "s": 2.0**-10,
-    "m/s": 5e-3,
-    "s/m": 20.0,
-    "1/W": 0.05,
-    "N s^2/m^2": 1e-3,
-    "N m s": 1e-13,
-}
+    "-": 0.15, "rad": 0.05, "T": 1e-4, "V": 15.0, "s": 2.0**-10, "m/s": 5e-3, "s/m": 20.0,
+    "1/W": 0.05, "N s^2/m^2": 1e-3, "N m s": 1e-13,
+}  # fmt: skip
 # Where the unit does not tell the size.
 CHOSEN: dict[str, float | None] = {
     "effects.angle_adhesion.strength": 0.9,
@@ -130,66 +122,29 @@ def _coils() -> dict[str, dict[str, float]]:
 # stop a slide without a solution, steps of an upper limit, currents that swing, a late field.
 HARD: dict[str, dict[str, Any]] = {
     "rebounds": {"contact.restitution": 0.6, "drag.linear": 1e-6},
-    "slides": {
-        "contact.static_friction": 0.05,
-        "contact.kinetic_friction": 0.05,
-        "drive.peak": 5e-3,
-    },
-    "jams": {
-        "contact.static_friction": 2.45,
-        "contact.kinetic_friction": 0.39,
-        "effects.stribeck_friction.velocity": 23.9e-3,
-        "drive.mode": "OPP",
-        "drive.peak": 3.7e-3,
-        "drive.hold": 3.2e-3,
-    },
+    "slides": {"contact.static_friction": 0.05, "contact.kinetic_friction": 0.05,
+               "drive.peak": 5e-3},
+    "jams": {"contact.static_friction": 2.45, "contact.kinetic_friction": 0.39,
+             "effects.stribeck_friction.velocity": 23.9e-3, "drive.mode": "OPP",
+             "drive.peak": 3.7e-3, "drive.hold": 3.2e-3},
     "short steps": {"solver.max_step": 2e-5},
-    "shaken": {
-        "shake.frequency": 128.0,
-        "shake.amplitude_x": 20e-6,
-        "shake.harmonic_2_x": 0.4,
-        "shake.phase_2_x": 1.0,
-    },
-    "shaken liquid rests": {
-        "shake.frequency": 256.0,
-        "shake.amplitude_x": -6e-6,
-        "shake.amplitude_z": 3e-6,
-        "shake.phase": 0.8,
-        "shake.harmonic_3_z": 0.2,
-        "shake.liquid": "rests",
-    },
-    "capsule": {
-        "inner.mass": 10e-9,
-        "inner.stiffness": 0.02,
-        "inner.damping": 2e-6,
-        "inner.frequency": 256.0,
-        "inner.amplitude": 1.2e-7,
-        "inner.harmonic_2": 0.5,
-        "inner.phase_2": 1.0,
-    },
-    "capsule with stops": {
-        "inner.mass": 5e-9,
-        "inner.stiffness": 0.01,
-        "inner.direction": 0.4,
-        "inner.frequency": 128.0,
-        "inner.amplitude": 1e-7,
-        "inner.duty": 0.3,
-        "inner.stop_low": -4e-6,
-        "inner.stop_high": 6e-6,
-        "inner.restitution": 0.5,
-    },
-    "hammer on a shaken surface": {
-        "inner.mass": 8e-9,
-        "inner.stiffness": 0.05,
-        "inner.damping": 5e-6,
-        "inner.direction": 1.3,
-        "inner.frequency": 128.0,
-        "inner.amplitude": -2e-7,
-        "inner.stop_high": 2e-6,
-        "shake.frequency": 128.0,
-        "shake.amplitude_x": 8e-6,
-        "shake.amplitude_z": 2e-6,
-    },
+    "shaken": {"shake.frequency": 128.0, "shake.amplitude_x": 20e-6, "shake.harmonic_2_x": 0.4,
+               "shake.phase_2_x": 1.0},
+    "shaken liquid rests": {"shake.frequency": 256.0, "shake.amplitude_x": -6e-6,
+                            "shake.amplitude_z": 3e-6, "shake.phase": 0.8,
+                            "shake.harmonic_3_z": 0.2, "shake.liquid": "rests"},
+    "capsule": {"inner.mass": 10e-9, "inner.stiffness": 0.02, "inner.damping": 2e-6,
+                "inner.frequency": 256.0, "inner.amplitude": 1.2e-7, "inner.harmonic_2": 0.5,
+                "inner.phase_2": 1.0},
+    "capsule with stops": {"inner.mass": 5e-9, "inner.stiffness": 0.01, "inner.direction": 0.4,
+                           "inner.frequency": 128.0, "inner.amplitude": 1e-7, "inner.duty": 0.3,
+                           "inner.stop_low": -4e-6, "inner.stop_high": 6e-6,
+                           "inner.restitution": 0.5},
+    "hammer on a shaken surface": {"inner.mass": 8e-9, "inner.stiffness": 0.05,
+                                   "inner.damping": 5e-6, "inner.direction": 1.3,
+                                   "inner.frequency": 128.0, "inner.amplitude": -2e-7,
+                                   "inner.stop_high": 2e-6, "shake.frequency": 128.0,
+                                   "shake.amplitude_x": 8e-6, "shake.amplitude_z": 2e-6},
     "capsule by rows": {
         "inner.mass": 8e-9,
         "inner.stiffness": 0.02,
@@ -205,7 +160,7 @@ HARD: dict[str, dict[str, Any]] = {
     # A clamp that rings; the other coils keep the field along the surface.
     "capacitors": {"coil.capacitance": 0.5, "coil.clamp.capacitance": 1e-3},
     "late": {"drive.latency": 2.0**-7},
-}
+}  # fmt: skip
 # Only of runs of a whole drive, to the bit: the first ends before it, the other steps otherwise.
 WHOLE = {"few steps": {"solver.max_steps": 300}, "arkode": {"solver.method": "arkode"}}
 
@@ -251,12 +206,9 @@ PULSED = {"drive.frequency": 128.0, "drive.ramp": 2.0**-4, "drive.pulses": 7}
 IPP = {**PULSED, "drive.mode": "IPP", "drive.base": 0.5e-3}
 OPP = {**PULSED, "drive.mode": "OPP", "drive.base": 0.0, "drive.hold": 2.5e-3}
 UNEQUAL = {
-    "coil.xp.turns": 480.0,
-    "coil.xm.turns": 400.0,
-    "coil.xm.resistance": 9.0,
-    "coil.yp.distance": 0.11,
-    "coil.clamp.inductance": 0.08,
-}
+    "coil.xp.turns": 480.0, "coil.xm.turns": 400.0, "coil.xm.resistance": 9.0,
+    "coil.yp.distance": 0.11, "coil.clamp.inductance": 0.08,
+}  # fmt: skip
 BACK = {"drive.direction": "-x"}
 STEP = 2.0**-7  # s, of the program
 

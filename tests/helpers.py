@@ -117,12 +117,9 @@ LAUNCHER = {
     "effects.misalignment.angle": -np.pi / 2,
     "contact.static_friction": 0.0,
     "contact.kinetic_friction": 0.0,
-    "contact.adhesion": 0.0,
-    "drag.linear": 0.0,
-    "drag.rotational": 0.0,
-    "environment.gravity": 0.5,
+    "contact.adhesion": 0.0, "drag.linear": 0.0, "drag.rotational": 0.0, "environment.gravity": 0.5,
     **QUICK_COILS,
-}
+}  # fmt: skip
 THROW = 5e-4  # s
 
 

@@ -226,11 +226,8 @@ def acting(draw, name):
 
 
 EFFECTS = {
-    **{
-        each.name: partial(acting, name=each.name)
-        for each in effects()
-        if each.name in known()["causes"]
-    },
+    **{each.name: partial(acting,
+                          name=each.name) for each in effects() if each.name in known()["causes"]},
     **{
         name: lambda d, name=name, span=span: shaped(
             name, [d.uniform(-0.9, 2.0) for _ in range(5)], span * d.decades(0.1, 2.0)
@@ -240,7 +237,7 @@ EFFECTS = {
         # may have several normal forces, or none.
         if name not in ("free_contact_place", "free_friction_load")
     },
-}
+}  # fmt: skip
 
 
 # Each of them takes the robot out of one plane.

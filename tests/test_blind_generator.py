@@ -32,15 +32,9 @@ from stickslip.walker.instruments import of_angles, of_velocities
 
 # A condition in which every cause of a moving robot does something.
 DRIVES = [
-    {
-        "mode": "OPP",
-        "frequency": 90.0,
-        "peak": 2.5e-3,
-        "base": 0.5e-3,
-        "hold": 1.8e-3,
-        "direction": "-x",
-    }
-]
+    {"mode": "OPP", "frequency": 90.0, "peak": 2.5e-3, "base": 0.5e-3, "hold": 1.8e-3,
+     "direction": "-x"},
+]  # fmt: skip
 MIDDLE = {
     name: float(prior.value(0.0))
     for tables in (("velocity",), ("angle",), ("field",))

@@ -46,16 +46,10 @@ def test_texts_come_back_from_toml_and_json():
 
 @pytest.mark.parametrize(
     "document",
-    [
-        "[drive]\n{name} = 1\n",
-        "[{name}]\n[drive]\n",
-        "[drive]\nmode = {name}\n",
-        "[drive]\n[effects.{name}]\n",
-        "[drive]\n[effects.surface_tilt]\n{name} = 1\n",
-        "[drive]\npeak = {{ {name} = {name} }}\n",
-        '[drive]\nmode = "program"\nfile = {name}\n',
-    ],
-)
+    ["[drive]\n{name} = 1\n", "[{name}]\n[drive]\n", "[drive]\nmode = {name}\n",
+     "[drive]\n[effects.{name}]\n", "[drive]\n[effects.surface_tilt]\n{name} = 1\n",
+     "[drive]\npeak = {{ {name} = {name} }}\n", '[drive]\nmode = "program"\nfile = {name}\n'],
+)  # fmt: skip
 def test_errors_of_a_scenario(tmp_path, document):
     path = tmp_path / WILD
     path.write_text("stickslip = 1\n" + document.format(name=quoted(WILD)))

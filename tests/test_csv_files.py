@@ -5,14 +5,12 @@ import itertools
 import math
 import re
 from collections.abc import Mapping
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
 from asking_results import measurement
-from command_line import check, stickslip
 from stickslip import FieldMap, Measurement, Scenario, ScenarioError, Waveform
 from stickslip._util.columns import read_table, sound_numbers
 from stickslip._util.recipes import Recipe
@@ -393,15 +391,3 @@ def test_a_wrong_heading_of_voltages_is_named_of_a_file_and_of_a_frame(tmp_path)
     for given in (path, pd.read_csv(path, comment="#")):
         with pytest.raises(ScenarioError, match='"clmp" may be meant as it'):
             Waveform.from_csv(given)
-
-
-def test_a_column_in_other_case_is_named(tmp_path):
-    (tmp_path / "s.toml").write_text("stickslip = 1\n[drive]\n")
-    write(tmp_path / "v.csv", ["frequency,Velocity", "30,1e-3"])
-    write(
-        tmp_path / "m.toml",
-        ["stickslip_measurement = 1", 'scenario = "s.toml"', "[[velocity]]", 'file = "v.csv"'],
-    )
-    done = stickslip("diagnose", "m.toml", cwd=tmp_path)
-    check(done, 'column "velocity" is missing', '"Velocity" may be meant')
-    assert not Path(tmp_path / "diagnosis").exists()

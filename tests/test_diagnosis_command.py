@@ -128,12 +128,9 @@ def drifting(lines):
 
 @pytest.mark.parametrize(
     ("change", "said"),
-    [
-        (lambda lines: [lines[0], *lines[1::3]], "The error of a reading is not known"),
-        (drifting, "The velocities drift with the order"),
-    ],
-    ids=["no repeats", "drift"],
-)
+    [(lambda lines: [lines[0], *lines[1::3]], "The error of a reading is not known"),
+     (drifting, "The velocities drift with the order")], ids=["no repeats", "drift"],
+)  # fmt: skip
 @pytest.mark.daily("no repeats")
 def test_data_that_allow_no_diagnosis_are_told_with_the_reason(tmp_path, change, said):
     path, out = write(tmp_path, {}, change=change), tmp_path / "found"

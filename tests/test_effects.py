@@ -27,11 +27,8 @@ DRAG = 1e-5  # N s/m
 # A swing of the moment about a field along +x, in flight without weight and drag.
 SWING = {
     "effects.ambient_field.Bx": 2.5e-3,
-    "environment.gravity": 0.0,
-    "contact.adhesion": 0.0,
-    "drag.linear": 0.0,
-    "drag.rotational": 0.0,
-}
+    "environment.gravity": 0.0, "contact.adhesion": 0.0, "drag.linear": 0.0, "drag.rotational": 0.0,
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("angle", [0.3, -2.5, 1.5])

@@ -107,16 +107,9 @@ def test_the_base_simulates(tmp_path):
 
 @pytest.mark.parametrize(
     "arguments",
-    [
-        "run scenario.toml --out run.csv",
-        "keys drive",
-        "effects",
-        "init new.toml",
-        "--help",
-        "sweep --help",
-        "predict -h",
-    ],
-)
+    ["run scenario.toml --out run.csv", "keys drive", "effects", "init new.toml", "--help",
+     "sweep --help", "predict -h"],
+)  # fmt: skip
 def test_commands_of_the_base(arguments, tmp_path):
     result = without(OPTIONAL, ["-m", "stickslip", *arguments.split()], tmp_path)
     assert result.returncode == 0, result.stderr

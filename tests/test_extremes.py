@@ -1,10 +1,12 @@
-"""The summary's extremes of the field and of the currents, beside a record of 1 MHz."""
+"""The summary's field, currents, voltages and power, beside a record of 1 MHz."""
+
+import math
 
 import numpy as np
 import pytest
 
 from free_shapes import KNOTS, shaped
-from stickslip import Drive, Scenario, State, Waveform, simulate, simulate_batch
+from stickslip import Coils, Drive, Scenario, State, Waveform, simulate, simulate_batch
 
 RATE = 1e6  # Hz
 # Part of the largest field or current. A record misses of a smooth extreme half a sample squared
@@ -14,14 +16,10 @@ ENOUGH = 1e-6
 # velocity by some 0.1 m/s in a gradient of some 0.03 T/m.
 KINK = 0.03 * 0.1 / RATE
 UNEQUAL = {
-    "coil.xm.inductance": 0.12,
-    "coil.xm.turns": 430.0,
-    "coil.clamp.resistance": 14.0,
-    "coil.clamp.inductance": 0.03,
-    "coil.yp.inductance": 0.05,
-    "coil.ym.inductance": 0.05,
+    "coil.xm.inductance": 0.12, "coil.xm.turns": 430.0, "coil.clamp.resistance": 14.0,
+    "coil.clamp.inductance": 0.03, "coil.yp.inductance": 0.05, "coil.ym.inductance": 0.05,
     "effects.mutual_inductance.coupling": 0.15,
-}
+}  # fmt: skip
 STEADY = {"coil.yp.inductance": 0.07, "coil.ym.inductance": 0.07}
 
 
@@ -183,3 +181,48 @@ def test_a_run_that_is_stopped_counts_what_was_played():
     part = tipped["simulated_time"] / 0.05
     assert part < 1.0
     assert tipped["voltage_max"] == pytest.approx(part * volts["voltage_max"], rel=1e-12)
+
+
+RECORDED = {"record.rate": 1e5}
+
+
+def held(voltages, duration=0.1, **changes):
+    program = Waveform.hold(duration, voltages)
+    return Scenario(drive=Drive(mode="program", program=program)).replace(changes)
+
+
+def test_a_held_voltage_has_the_analytic_current_and_power():
+    # Eq. (1): I = U/R (1 - exp(-t/T)), and the integral of R I^2 over its rise.
+    run = simulate(held({"clamp": -12.0}))
+    coil = run.scenario.coil
+    steady, lag = 12.0 / coil.resistance, coil.inductance / coil.resistance
+    d = 0.1
+    squares = d - 2.0 * lag * (1 - math.exp(-d / lag)) + lag / 2 * (1 - math.exp(-2 * d / lag))
+    summary = run.summary()
+    assert summary["voltage_max"] == 12.0
+    assert summary["current_max"] == pytest.approx(steady * (1 - math.exp(-d / lag)), rel=1e-12)
+    power = coil.resistance * steady**2 * squares / d
+    assert summary["power_mean"] == pytest.approx(power, rel=1e-12)
+    # The current is largest at the end: the field of the current there.
+    at = [run.final_state.x, 0.0, run.final_state.z]
+    field = np.linalg.norm(Coils().field([at], [0, 0, 0, 0, 1.0])[0])
+    # The local expansion is within 1e-9 of the full sum.
+    expected = summary["current_max"] * field
+    assert summary["field_max"] == pytest.approx(expected, rel=1e-8)
+
+
+def test_the_field_across_is_recorded():
+    run = simulate(held({"yp": 10.0}, **RECORDED))
+    at = [[run.final_state.x, run.final_state.y, run.final_state.z]]
+    expected = Coils().field(at, [0, 0, 1.0, 0, 0])[0, 1] * run.current[-1, 2]
+    assert run.by[-1] == pytest.approx(expected, rel=1e-9)
+    assert not simulate(held({"xp": 10.0}, **RECORDED)).by.any()
+
+
+def test_the_power_of_a_run_that_ends_between_stretches_is_that_of_its_window():
+    # A held field: after its rise the power is constant, and a stop must not count a stretch twice.
+    scenario = Scenario(drive=Drive(mode="IPP", frequency=40.0, pulses=20))
+    stop = scenario.window[0] + 5.0 / 40.0
+    short = simulate(scenario.replace({"drive.pulses": 8}))
+    ended = simulate(scenario, until=f"time >= {stop!r}")
+    assert ended.summary()["power_mean"] == pytest.approx(short.summary()["power_mean"], rel=1e-9)

@@ -9,16 +9,7 @@ import pytest
 from command_line import check, stickslip
 from made_measurement import few_causes
 from measured_maps import formula_fields, grid, with_map, write_csv
-from stickslip import (
-    Coils,
-    FieldMap,
-    ScenarioError,
-    diagnose,
-    load,
-    open_run,
-    simulate,
-    sweep,
-)
+from stickslip import Coils, FieldMap, ScenarioError, diagnose, load, open_run, simulate, sweep
 from stickslip.walker import read_measurement
 
 HEAD = "stickslip = 1\n\n[drive]\nbase = 0.5e-3\npulses = 8\n"

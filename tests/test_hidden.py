@@ -86,27 +86,19 @@ MACHINES = {
     ("axis", "hidden"): ("dead_zone", 0.2, set(), AXIS),
     ("axis", "twin"): ("late command", 0.05, {"slow motor", "slow sensor"}, AXIS),
     ("pendulum", "hidden"): ("quadratic", 0.14, set(), SWING | {"start": 0.9}),
-    ("pendulum", "twin"): (
-        "stiffness",
-        4.0,
-        {"length"},
-        SWING | {"less": [*SWING["less"], "quadratic"], "start": 0.05},
-    ),
+    ("pendulum", "twin"): ("stiffness", 4.0, {"length"},
+                           SWING | {"less": [*SWING["less"], "quadratic"], "start": 0.05}),
     ("oscillator", "hidden"): ("cubic_stiffness", 300.0, set(), RINGING),
     ("oscillator", "twin"): ("quadratic", 1.0, {"cubic_damping"}, RESONANT),
     ("thermal", "hidden"): ("loss_growth", 0.02, set(), HEATER),
-    ("thermal", "twin"): (
-        "late power",
-        8.0,
-        {"heater_capacity"},
-        HEATER | {"less": ["zero", "loss_growth"], "noise": 0.06},
-    ),
+    ("thermal", "twin"): ("late power", 8.0, {"heater_capacity"},
+                          HEATER | {"less": ["zero", "loss_growth"], "noise": 0.06}),
     ("joint", "clean"): ("", 0.0, set(), JOINT),
     ("axis", "clean"): ("", 0.0, set(), AXIS),
     ("pendulum", "clean"): ("", 0.0, set(), SWING | {"start": 0.9}),
     ("oscillator", "clean"): ("", 0.0, set(), RINGING),
     ("thermal", "clean"): ("", 0.0, set(), HEATER),
-}
+}  # fmt: skip
 
 
 # --------------------------------------------------------------------------------------- walkers

@@ -11,13 +11,9 @@ from fine_record import CORNER_STICK, FLIGHT, recorded
 from stickslip import Scenario
 
 HOPPING = {
-    "drive.mode": "OPP",
-    "drive.hold": 2.5e-3,
-    "drive.edge": "fall",
-    "drive.frequency": 30.0,
-    "drive.pulses": 3,
-    "contact.restitution": 0.3,
-}
+    "drive.mode": "OPP", "drive.hold": 2.5e-3, "drive.edge": "fall", "drive.frequency": 30.0,
+    "drive.pulses": 3, "contact.restitution": 0.3,
+}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -46,24 +42,18 @@ FALSE = {
     "what touches is not at the surface": ("z", (CORNER_STICK,), lambda r, i: 1e-3 * r.radius),
     "the surface pulls": ("normal", (2, 3), lambda r, i: -r.normal[i] - 0.01 * r.force),
     "there is a force in flight": ("normal", (FLIGHT,), lambda r, i: 1e-15),
-    "a stick is outside the friction cone": (
-        "friction",
-        (CORNER_STICK,),
-        lambda r, i: 0.5 * r.force,
-    ),
+    "a stick is outside the friction cone": ("friction", (CORNER_STICK,),
+                                             lambda r, i: 0.5 * r.force),
     "a stick slips": ("slip", (CORNER_STICK,), lambda r, i: 1e-12),
     "a stick drifts": ("contact_x", (CORNER_STICK,), lambda r, i: 1e-15),
     "friction of a slip is not kinetic": ("friction", (2, 3), lambda r, i: 1e-2 * r.force),
     "a slip runs against its mode": ("slip", (2, 3), lambda r, i: -r.slips[i] - r.slip[i]),
-    "the contact does not move with the body": (
-        "vx",
-        (CORNER_STICK,),
-        lambda r, i: 1e-6 * r.fastest,
-    ),
+    "the contact does not move with the body": ("vx", (CORNER_STICK,),
+                                                lambda r, i: 1e-6 * r.fastest),
     "the position jumps": ("x", (FLIGHT,), lambda r, i: 0.2 * r.radius),
     "the field is not that of the currents": ("bx", (0, 1, 2, 3), lambda r, i: 1e-9),
     "is not finite": ("omega", (CORNER_STICK,), lambda r, i: np.nan),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("said", FALSE)

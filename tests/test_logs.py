@@ -83,14 +83,9 @@ def test_a_reader_that_closes_the_pipe_loses_no_file(tmp_path):
 
 @pytest.mark.parametrize(
     "begin",
-    [
-        "2026-11-27 23:59:58",
-        "2026-11-27T23:59:58Z",
-        "2026-11-27 23:59:58+02:00",
-        "10:00:00",
-        "23:59:58",
-    ],
-)
+    ["2026-11-27 23:59:58", "2026-11-27T23:59:58Z", "2026-11-27 23:59:58+02:00", "10:00:00",
+     "23:59:58"],
+)  # fmt: skip
 def test_times_may_be_dates_or_clocks(begin, tmp_path):
     first = np.datetime64(begin[:19] if "-" in begin else f"1970-01-01T{begin}", "ms")
     stamps = np.datetime_as_string(first + (1000 * T + 0.5).astype("timedelta64[ms]"))
@@ -532,19 +527,13 @@ def test_a_log_in_memory_is_read_as_it_stands(case):
 HEATER = models.thermal(capacity=400.0, loss=1.5)
 ROW = "0,20,20,1\n10,21,20,1\n"
 NOT_ONE = {
-    "one of two temperatures": (
-        "t,temperature,ambient (degC),power\n" + ROW,
-        HEATER,
-        "one for both",
-    ),
+    "one of two temperatures": ("t,temperature,ambient (degC),power\n" + ROW, HEATER,
+                                "one for both"),
     "two columns of one name": ("t,Speed (rpm),speed (rad/s),torque\n" + ROW, JOINT, "may both be"),
-    "parts of a day": (
-        "t (hh:mm:ss),speed,torque\n0.51,1,1\n0.52,1,1\n",
-        JOINT,
-        "has the number 0.51",
-    ),
+    "parts of a day": ("t (hh:mm:ss),speed,torque\n0.51,1,1\n0.52,1,1\n", JOINT,
+                       "has the number 0.51"),
     "numbers alone": ("0,20,20\n1,21,20\n", JOINT, "its first line is numbers"),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("case", NOT_ONE)

@@ -534,18 +534,15 @@ WALK = Scenario(drive=Drive(base=0.5e-3, pulses=4))
 
 @pytest.mark.parametrize(
     "change",
-    [
-        lambda keys: WALK.replace(dict.fromkeys(keys, 0.01)),
-        lambda keys: WALK.replace({keys[0]: 0.01}, **{keys[1]: 0.01}),
-        lambda keys: sweep(WALK, {key: [0.0, 0.01] for key in keys}),
-        lambda keys: sweep(WALK, [dict.fromkeys(keys, 0.01)]),
-        lambda keys: sweep(WALK, pd.DataFrame({key: [0.0, 0.1] for key in keys})),
-        lambda keys: optimise(
-            WALK, maximise="mean_velocity", free=dict.fromkeys(keys, (0.0, 0.1)), evaluations=8
-        ),
-        lambda keys: WALK.with_uncertain({key: {"mean": 0.0, "sd": 0.1} for key in keys}),
-    ],
-)
+    [lambda keys: WALK.replace(dict.fromkeys(keys, 0.01)),
+     lambda keys: WALK.replace({keys[0]: 0.01}, **{keys[1]: 0.01}),
+     lambda keys: sweep(WALK, {key: [0.0, 0.01] for key in keys}),
+     lambda keys: sweep(WALK, [dict.fromkeys(keys, 0.01)]),
+     lambda keys: sweep(WALK, pd.DataFrame({key: [0.0, 0.1] for key in keys})),
+     lambda keys: optimise(WALK, maximise="mean_velocity", free=dict.fromkeys(keys, (0.0, 0.1)),
+                           evaluations=8),
+     lambda keys: WALK.with_uncertain({key: {"mean": 0.0, "sd": 0.1} for key in keys})],
+)  # fmt: skip
 @pytest.mark.parametrize("keys", [(SHORT, FULL), (FULL, SHORT)])
 def test_a_key_by_two_names_is_refused(change, keys):
     with pytest.raises(ScenarioError, match="twice"):

@@ -6,27 +6,14 @@ import pickle
 import numpy as np
 import pytest
 
-from stickslip import (
-    COIL_NAMES,
-    Coil,
-    Coils,
-    Drive,
-    Scenario,
-    Waveform,
-    load,
-    simulate,
-    sweep,
-)
+from stickslip import COIL_NAMES, Coil, Coils, Drive, Scenario, Waveform, load, simulate, sweep
 from stickslip.scenario.sections import OneCoil
 from stickslip.walker.library import library
 
 OWN = {
-    "coil.clamp.side": 0.11,
-    "coil.clamp.distance": 0.08,
-    "coil.clamp.turns": 400.0,
-    "coil.clamp.resistance": 7.0,
-    "coil.clamp.inductance": 0.03,
-}
+    "coil.clamp.side": 0.11, "coil.clamp.distance": 0.08, "coil.clamp.turns": 400.0,
+    "coil.clamp.resistance": 7.0, "coil.clamp.inductance": 0.03,
+}  # fmt: skip
 
 
 def on_axis(side, distance, turns):

@@ -1,9 +1,10 @@
-"""Frequencies, flight and rebound against closed forms."""
+"""Frequencies, flight, rebound and energy against closed forms."""
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from free_shapes import shaped
 from helpers import (
     FLIGHT,
     HEIGHT,
@@ -15,6 +16,7 @@ from helpers import (
     QUICK_COILS,
     RADIUS,
     THROW,
+    energy,
     launched,
     program,
     run,
@@ -201,3 +203,44 @@ def test_peak_names_the_field_that_a_voltage_would_reach():
     assert steady.bx[-1] == pytest.approx(2.5e-3, rel=1e-5)
     assert steady.bz[-1] == pytest.approx(-1e-3, rel=1e-3)  # 50 um above the centre: 18.6 / m
     assert steady.current[-1, 0] == pytest.approx(2.5e-3 / 0.96258e-3, rel=1e-4)
+
+
+def _steps(final):
+    """Voltages that step at once and then stay, three times."""
+    return sum((Waveform.hold(0.02, volts(*pair)) for pair in final[1:]),
+               Waveform.hold(0.02, volts(*final[0])))  # fmt: skip
+
+
+STEPS = [(2.5e-3, -1e-3), (0.5e-3, -2.5e-3), (2e-3, 1.5e-3)]
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5, 0.9, 1.0])
+@pytest.mark.parametrize("friction", [0.0, 0.2, 1.0])
+@pytest.mark.parametrize("drag", [0.0, 1e-5])
+@pytest.mark.parametrize("knots", [(0.0,) * 5, (0.2, -0.15, 0.1, 0.2, -0.1)], ids=["", "beside"])
+def test_energy_never_grows_in_constant_currents(knots, drag, friction, restitution):
+    # Adhesion does no work: it holds what does not rise, is gone the moment that this leaves, and
+    # acts again only on what has landed. What is left are conservative forces and losses, also
+    # where the contact lies beside the corner, and rolls.
+    keys = {
+        **shaped("free_contact_place", knots),
+        "contact.static_friction": friction,
+        "contact.kinetic_friction": 0.7 * friction,
+        "contact.restitution": restitution,
+        "drag.linear": drag,
+        "drag.rotational": 0.0,
+        "solver.rtol": 1e-11,
+        **QUICK_COILS,
+    }
+    moving = run(keys, program(_steps(STEPS)), rate=1e5)
+    scale = MOMENT * 2.5e-3
+    inside = (moving.t % 0.02 > 2e-5) & (moving.t % 0.02 < 0.02 - 1.5e-5)
+    gain = np.diff(energy(moving))[inside[1:] & inside[:-1]]
+    assert gain.max() < 1e-9 * scale
+    if drag or (friction and restitution < 0.9):
+        assert gain.sum() < -1e-3 * scale
+    elif friction or restitution < 1.0:
+        assert gain.sum() < 0.0  # a corner that sticks may rebound at the bound, without loss
+    else:
+        assert np.mean(moving.contact == FLIGHT) > 0.1
+        assert np.abs(gain).max() < 1e-9 * scale

@@ -19,18 +19,7 @@ from hypothesis import strategies as st
 import laws
 from fine_record import recorded
 from free_shapes import LAWS
-from populations import (
-    EFFECTS,
-    EXTREME,
-    USUAL,
-    Draw,
-    extreme,
-    paper,
-    population,
-    usual,
-    wide,
-    wild,
-)
+from populations import EFFECTS, EXTREME, USUAL, Draw, extreme, paper, population, usual, wide, wild
 from stickslip import Coil, Robot, Scenario, Solver, _core, simulate, simulate_batch
 from stickslip.scenario.keys import SAWTOOTH, known_keys
 
@@ -49,14 +38,9 @@ TIGHT = 1e-10  # relative tolerance at which balances are looked at
 WORDS = {("drive.mode", "OPP"): 0.5, ("drive.clamp", "up"): 0.5, ("drive.edge", "fall"): 0.5}
 MEANT = {
     paper: {**WORDS, ("drive.direction", "-x"): 0.5, ("drive.base", 0.0): 0.2 + 0.8 / 6},
-    wide: {
-        **WORDS,
-        ("drive.direction", "-x"): 0.5,
-        ("contact.adhesion", 0.0): 0.2,
-        ("contact.restitution", 0.0): 0.5 + 0.5 / 6,
-        ("drag.linear", 0.0): 0.2,
-        ("drag.rotational", 0.0): 0.2,
-    },
+    wide: {**WORDS, ("drive.direction", "-x"): 0.5, ("contact.adhesion", 0.0): 0.2,
+           ("contact.restitution", 0.0): 0.5 + 0.5 / 6, ("drag.linear", 0.0): 0.2,
+           ("drag.rotational", 0.0): 0.2},
     wild: {
         **{word: 0.85 * meant for word, meant in WORDS.items()},
         ("drive.mode", "program"): 0.15,
@@ -81,7 +65,7 @@ MEANT = {
             if name not in LAWS
         },
     },
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("make", MEANT)
@@ -204,53 +188,25 @@ def test_the_sanitizers_are_silent(scenario):
 # without, after which flight began and ended in the same instant for ever; a slip that broke loose
 # across the way without friction, and stopped within a nanosecond, for ever.
 ONCE_WITHOUT_END = [
-    {
-        "drive.frequency": 5.007915511279933,
-        "drive.peak": 0.0,
-        "drive.hold": 0.006186914828174418,
-        "drive.clamp": "up",
-        "drive.direction": "-x",
-        "drive.pulses": 2,
-        "contact.static_friction": 2.68991807826395,
-        "contact.kinetic_friction": 2.68991807826395,
-        "contact.adhesion": 0.0,
-        "effects.misalignment.angle": 2.6575681777476365,
-        "drag.rotational": 1.6100224171190313e-14,
-    },
-    {
-        "drive.mode": "OPP",
-        "drive.frequency": 10.170416312747513,
-        "drive.base": 0.0038527824882566824,
-        "drive.peak": 0.0038527824882566824,
-        "drive.hold": 0.0009258878046308661,
-        "drive.clamp": "up",
-        "drive.pulses": 5,
-        "contact.static_friction": 0.05371986253387051,
-        "contact.kinetic_friction": 0.03764752406926946,
-        "contact.adhesion": 0.0,
-        "drag.linear": 0.0,
-        "drag.rotational": 0.0,
-    },
-    {
-        "drive.frequency": 6.941420723065997,
-        "drive.peak": 0.004048605088338368,
-        "drive.hold": 0.0013980922054732947,
-        "drive.clamp": "up",
-        "drive.pulses": 5,
-        "drive.ramp_down": 0.02,
-        "contact.static_friction": 0.0,
-        "contact.kinetic_friction": 0.0,
-        "contact.adhesion": 0.0,
-        "effects.misalignment.angle": -2.0022661570731106,
-        "drag.rotational": 1.3108270542600845e-18,
-    },
-    {
-        "drive.heading": 1.2,
-        "drive.pulses": 2,
-        "effects.friction_anisotropy.fraction": -1.0,
-        "effects.ambient_field.By": 7e-5,
-    },
-]
+    {"drive.frequency": 5.007915511279933, "drive.peak": 0.0, "drive.hold": 0.006186914828174418,
+     "drive.clamp": "up", "drive.direction": "-x", "drive.pulses": 2,
+     "contact.static_friction": 2.68991807826395, "contact.kinetic_friction": 2.68991807826395,
+     "contact.adhesion": 0.0, "effects.misalignment.angle": 2.6575681777476365,
+     "drag.rotational": 1.6100224171190313e-14},
+    {"drive.mode": "OPP", "drive.frequency": 10.170416312747513,
+     "drive.base": 0.0038527824882566824, "drive.peak": 0.0038527824882566824,
+     "drive.hold": 0.0009258878046308661, "drive.clamp": "up", "drive.pulses": 5,
+     "contact.static_friction": 0.05371986253387051,
+     "contact.kinetic_friction": 0.03764752406926946, "contact.adhesion": 0.0, "drag.linear": 0.0,
+     "drag.rotational": 0.0},
+    {"drive.frequency": 6.941420723065997, "drive.peak": 0.004048605088338368,
+     "drive.hold": 0.0013980922054732947, "drive.clamp": "up", "drive.pulses": 5,
+     "drive.ramp_down": 0.02, "contact.static_friction": 0.0, "contact.kinetic_friction": 0.0,
+     "contact.adhesion": 0.0, "effects.misalignment.angle": -2.0022661570731106,
+     "drag.rotational": 1.3108270542600845e-18},
+    {"drive.heading": 1.2, "drive.pulses": 2, "effects.friction_anisotropy.fraction": -1.0,
+     "effects.ambient_field.By": 7e-5},
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("keys", ONCE_WITHOUT_END)

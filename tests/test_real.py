@@ -7,14 +7,7 @@ import numpy as np
 import pytest
 from real import study
 from real.flights import read_drops
-from real.impacts import (
-    HEIGHTS,
-    diagnose_impacts,
-    first_impacts,
-    heights,
-    robust_fit,
-    velocities,
-)
+from real.impacts import HEIGHTS, diagnose_impacts, first_impacts, heights, robust_fit, velocities
 from real.score import Measured, Truth, judged, row
 
 from stickslip import Series

@@ -186,18 +186,11 @@ CAPSULES = {
     "pulses and stops": ({**STOPS, "duty": 0.4, "amplitude": 3e-7}, {"adhesion": 0.05e-6}, {}),
     "aslant": ({"direction": 0.6}, {"adhesion": 0.4e-6}, {}),
     "upright": ({"direction": 1.5707963, "amplitude": 1e-7}, {}, {"amplitude_x": 20e-6}),
-    "aslant and stops": (
-        {**STOPS, "direction": 0.6, "amplitude": 3e-7},
-        {"adhesion": 0.1e-6},
-        {},
-    ),
-    "upright and stops": (
-        {**STOPS, "direction": 1.5707963, "amplitude": 3e-7, "restitution": 0.3},
-        {"adhesion": 0.05e-6},
-        {"amplitude_x": 20e-6},
-    ),
+    "aslant and stops": ({**STOPS, "direction": 0.6, "amplitude": 3e-7}, {"adhesion": 0.1e-6}, {}),
+    "upright and stops": ({**STOPS, "direction": 1.5707963, "amplitude": 3e-7, "restitution": 0.3},
+                          {"adhesion": 0.05e-6}, {"amplitude_x": 20e-6}),
     "along on a shaken surface": ({"amplitude": 1e-7}, {}, {"amplitude_x": 10e-6}),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", CAPSULES)

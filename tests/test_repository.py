@@ -1,9 +1,11 @@
-"""Facts that stand in more than one file of the repository are the same in all."""
+"""What stands in more than one file is the same in all; which folder of the core may use which."""
 
 import re
 import subprocess
 import sys
 from pathlib import Path
+
+import pytest
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -50,3 +52,43 @@ def test_the_check_of_a_wheel_passes_here_and_can_fail(tmp_path):
     result = subprocess.run([sys.executable, changed], capture_output=True, text=True, check=False)
     assert result.returncode == 1
     assert "relative error" in result.stdout
+
+
+CORE = Path(__file__).parents[1] / "cpp" / "stickslip"
+
+ORDER = (
+    *("numbers", "drive", "field", "body", "solver"),
+    *("contact", "scenario", "run", "batch", "readings"),
+)
+
+
+def included(file):
+    """Folder and name of each header of the core that a file includes."""
+    return re.findall(r'^#include "stickslip/(?:(\w+)/)?([\w.]+)"', file.read_text(), re.MULTILINE)
+
+
+@pytest.mark.parametrize("folder", ORDER)
+def test_no_file_includes_a_header_of_a_later_folder(folder):
+    earlier = ORDER[: ORDER.index(folder) + 1]
+    found = [(file, *each) for file in (CORE / folder).iterdir() for each in included(file)]
+    assert [each for each in found if each[1] not in earlier] == []
+
+
+@pytest.mark.parametrize("folder", ORDER)
+def test_no_headers_of_a_folder_include_each_other_in_a_circle(folder):
+    includes = {
+        file.name: {name for place, name in included(file) if place == folder}
+        for file in (CORE / folder).glob("*.hpp")
+    }
+    while leaves := {name for name, needed in includes.items() if not needed & includes.keys()}:
+        includes = {name: needed for name, needed in includes.items() if name not in leaves}
+    assert includes == {}
+
+
+def test_core_and_machines_include_nothing_of_each_other():
+    found = {}
+    for wing in ("stickslip", "bindings", "machines"):
+        texts = [file.read_text() for file in (CORE.parent / wing).rglob("*.?pp")]
+        found[wing] = {top for text in texts for top in re.findall(r'#include "(\w+)/', text)}
+    core = {"stickslip"}
+    assert found == {"stickslip": core, "bindings": core, "machines": {"machines"}}

@@ -1,7 +1,6 @@
 """Runs: arrays, summaries, datasets, files, batches."""
 
 import json
-import math
 import pickle
 
 import numpy as np
@@ -9,16 +8,7 @@ import pytest
 import xarray
 
 from recorded_runs import COARSE
-from stickslip import (
-    Coils,
-    Drive,
-    Record,
-    Scenario,
-    Waveform,
-    load,
-    open_run,
-    simulate,
-)
+from stickslip import Coils, Drive, Record, Scenario, Waveform, load, open_run, simulate
 from stickslip.simulation.quantities import COLUMNS, INNER_COLUMNS, NUMBERS, PLANE_COLUMNS
 
 
@@ -182,21 +172,6 @@ def test_runs_pickle(walk_ipp):
     assert again.scenario == run.scenario
     assert again.summary() == run.summary()
     np.testing.assert_array_equal(again.theta, run.theta)
-
-
-def test_what_was_never_measured_is_nan():
-    # A run that leaves the workspace in its ramp never opens the measuring window.
-    scenario = Scenario().replace(
-        {
-            "drive.ramp": 100.0,
-            "effects.surface_tilt.angle": 1.4,
-            "contact.static_friction": 0.0,
-            "contact.kinetic_friction": 0.0,
-        }
-    )
-    run = simulate(scenario)
-    assert run.status == "left_workspace"
-    assert math.isnan(run.mean_velocity)
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 """A run that is entered and left: states, steps, snapshots, rollouts and stop conditions."""
 
+import copy
 import math
 import pickle
 import signal
@@ -14,12 +15,18 @@ from steps import STEP, named, random_rows
 from stickslip import (
     STATE_COLUMNS,
     STATE_UNITS,
+    Accelerations,
+    Coil,
+    Coils,
     Drive,
+    FieldMap,
+    Forces,
     Robot,
     Scenario,
     ScenarioError,
     SimulationError,
     Simulator,
+    Snapshot,
     State,
     Waveform,
     _core,
@@ -68,13 +75,6 @@ def test_a_voltage_across_needs_a_simulator_in_the_whole_plane():
     assert not batch.statuses().any()
 
 
-def test_coils_that_a_step_does_not_name_keep_their_voltages():
-    sim = Simulator(Scenario())
-    sim.step({"clamp": -10.0}, 0.01)
-    sim.step({"xp": 5.0}, 0.01)
-    assert sim.voltages == {"xp": 5.0, "xm": 0.0, "yp": 0.0, "ym": 0.0, "clamp": -10.0}
-
-
 def test_free_fall_ends_at_the_analytic_instant():
     # Without field, fluid and magnet: the corner 1 mm above the surface arrives after sqrt(2h/g).
     robot = Robot(magnetization=0.0)
@@ -88,6 +88,63 @@ def test_free_fall_ends_at_the_analytic_instant():
     assert run.summary()["simulated_time"] == pytest.approx(fallen, abs=1e-9)
 
 
+# Speeds in m/s and rad/s of a body that lies flat, and what touches: of the front corner of half a
+# length and half a height, which stays while the body turns nose-down about it, or of the rear one.
+HALF_LENGTH, HALF_HEIGHT = 125e-6, 50e-6
+BEGUN = {
+    "rest": ({}, "face_stick", np.nan),
+    "slides": ({"vx": 0.01}, "face_slip_forward", np.nan),
+    "rises": ({"vz": 1e-3}, "flight", np.nan),
+    "about the front": ({"vx": 2 * HALF_HEIGHT, "vz": 2 * HALF_LENGTH, "omega": 2.0},
+                        "corner_stick", HALF_LENGTH),
+    "about the rear": ({"vx": -2 * HALF_HEIGHT, "vz": 2 * HALF_LENGTH, "omega": -2.0},
+                       "corner_stick", -HALF_LENGTH),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", BEGUN)
+def test_the_motion_says_what_touches_at_the_start(case):
+    given, contact, corner = BEGUN[case]
+    scenario = Scenario(initial=State(**given)).replace({"record.rate": 1e4})
+    assert Simulator(scenario).state.contact == contact
+    if math.isfinite(corner):
+        assert simulate(scenario).contact_x[0] == pytest.approx(corner, rel=1e-12)
+
+
+def test_what_comes_down_at_the_start_lands_there():
+    run = simulate(Scenario(initial=State(vz=-1e-3)).replace({"record.rate": "events"}))
+    assert (run.t[0], run.event_names[run.event[0]]) == (0.0, "touch_down")
+
+
+def test_what_is_not_given_of_a_start_is_at_rest_on_the_lowest_corner():
+    state = Simulator(Scenario(initial=State(theta=0.3))).state
+    height = HALF_LENGTH * math.sin(0.3) + HALF_HEIGHT * math.cos(0.3)
+    assert (state.contact, state.z) == ("corner_stick", pytest.approx(height, rel=1e-15))
+    above = Simulator(Scenario(initial=State(theta=0.3, z=state.z + 1e-6))).state
+    assert above.contact == "flight"
+    with pytest.raises(ScenarioError, match=r"initial\.z"):
+        Scenario(initial=State(theta=0.3, z=state.z - 1e-9))
+
+
+def test_the_limit_on_steps_of_the_integrator_is_one_for_each_step():
+    sim = Simulator(Scenario().replace({"solver.max_steps": 500}))
+    for _ in range(1000):
+        sim.step({}, 1e-3)
+    assert sim.status == "ok"
+
+
+def test_a_coil_that_the_drive_does_not_use_may_be_stepped():
+    sim = Simulator(Scenario())  # xp and clamp
+    sim.step({"clamp": -10.0}, 0.05)
+    before = sim.snapshot()
+    reached = sim.step({"xm": -20.0}, 0.05)
+    # 50 ms are seven time constants of 7 ms; the current is that of the voltage.
+    assert reached.current_xm == pytest.approx(-2.0, rel=2e-3)
+    assert reached.theta != 0.0
+    sim.restore(before)
+    assert sim.step({"xm": -20.0}, 0.05) == reached
+
+
 def test_a_state_survives_its_file_its_bytes_and_its_row(tmp_path):
     state = stepped(Scenario(), random_rows(4))[-1]
     assert State.from_row(state.row) == state
@@ -99,14 +156,6 @@ def test_a_state_survives_its_file_its_bytes_and_its_row(tmp_path):
     assert in_amperes == [name for name in STATE_COLUMNS if name.startswith(("current", "field"))]
     assert (STATE_UNITS["y"], STATE_UNITS["vy"], STATE_UNITS["heading"]) == ("m", "m/s", "rad")
     assert "[initial]" not in Scenario().to_toml()
-
-
-def test_a_run_begins_at_its_initial_state():
-    run = simulate(Scenario(initial=State(x=1e-3)).replace({"record.rate": 1000.0}))
-    base = simulate(Scenario().replace({"record.rate": 1000.0}))
-    assert run.x[0] == 1e-3
-    # The field's gradient is a thousandth weaker there; walking is a sum of many slips.
-    assert run.mean_velocity == pytest.approx(base.mean_velocity, rel=0.1)
 
 
 def test_a_rollout_goes_on_from_an_array_of_states_and_writes_into_one():
@@ -314,6 +363,130 @@ def test_a_run_that_its_condition_ends_says_over_what_it_is_measured():
     assert unmet.notes[0].code == "condition-not-met"
 
 
-def test_a_robot_at_rest_beyond_the_coils_has_left_the_workspace():
-    run = simulate(Scenario().with_state(State(x=0.2)))
-    assert run.status == "left_workspace"
+def test_snapshots_of_equal_simulators_are_equal_bytes_and_damage_is_seen():
+    first, second = Simulator(Scenario()), Simulator(Scenario())
+    for sim in (first, second):
+        sim.step({"clamp": -10.0, "xp": 3.0}, 1e-3)
+    data = first.snapshot().to_bytes()
+    assert data == second.snapshot().to_bytes()
+    assert Snapshot.from_bytes(bytearray(data)) == first.snapshot()
+    assert pickle.loads(pickle.dumps(first.snapshot())) == first.snapshot()
+    rng = np.random.default_rng(1)
+    for place in range(len(data)):
+        damaged = bytearray(data)
+        damaged[place] ^= 1 << int(rng.integers(8))
+        with pytest.raises(ScenarioError, match="snapshot"):
+            Snapshot.from_bytes(bytes(damaged))
+    with pytest.raises(ScenarioError, match="damaged"):
+        Snapshot.from_bytes(data[:16] + b"\xff" * (len(data) - 16))
+
+
+def test_a_restored_snapshot_goes_on_with_the_same_bits_after_a_step_that_failed():
+    # Of a held sample the failed step leaves segments behind.
+    scenario = Scenario().replace({"effects.sample_hold.period": 1e-4})
+    allowed = {"xp": 20.0, "yp": 0.01, "clamp": -10.0}
+    whole, failing = (Simulator(scenario, whole_plane=True) for _ in range(2))
+    for sim in (whole, failing):
+        sim.step(allowed, 5e-3)
+    before = failing.snapshot()
+    with pytest.raises(SimulationError, match="heading"):
+        failing.step({"xp": -20.0}, 50e-3)
+    failing.restore(before)
+    for _ in range(3):
+        assert failing.step(allowed, 5e-3) == whole.step(allowed, 5e-3)
+        assert failing.time == whole.time
+
+
+def _with_map(size):
+    axes = [np.linspace(-half, half, 5) for half in (8e-3, 3e-3, 3e-3)]
+    points = np.stack([each.ravel() for each in np.meshgrid(*axes, indexing="ij")], axis=1)
+    fields = [Coils(turns=510.0 * size).field(points, one) for one in np.eye(5)]
+    return Scenario(coil=Coil(map=FieldMap.from_points(points, np.stack(fields, axis=1))))
+
+
+def _with_accelerations(size):
+    return Scenario().replace(
+        {"shake.accelerations": Accelerations([[0, 0, 0], [1e-3, size, 0], [2e-3, 0, 0]])}
+    )
+
+
+def _with_forces(size):
+    return Scenario().replace(
+        {"inner.mass": 1e-8, "inner.forces": Forces([[0, 0], [1e-3, 1e-7 * size], [2e-3, 0]])}
+    )
+
+
+@pytest.mark.parametrize("scenario", [_with_map, _with_accelerations, _with_forces])
+def test_a_snapshot_of_another_file_is_refused(scenario):
+    first, second = (Simulator(scenario(size)) for size in (1.0, 1.001))
+    second.restore(second.snapshot())
+    with pytest.raises(ScenarioError, match="another scenario"):
+        second.restore(first.snapshot())
+
+
+COPIES = {
+    "copy": copy.copy,
+    "deepcopy": copy.deepcopy,
+    "pickle": lambda each: pickle.loads(pickle.dumps(each)),
+}
+
+
+@pytest.mark.parametrize("made", COPIES.values(), ids=COPIES)
+def test_a_copy_is_an_independent_simulator(made):
+    # It is in the whole plane, which a copy has to take over too.
+    first, *later = random_rows(5, 6)
+    sim = Simulator(Scenario(), whole_plane=True)
+    sim.step({"xp": 20.0, "clamp": first[4]}, STEP)
+    sim.step({"yp": 5.0}, STEP)
+    other = made(sim)
+    expected = [sim.step({"clamp": row[4]}, STEP) for row in later]
+    assert other.time == 2 * STEP
+    assert other.scenario == sim.scenario
+    assert [other.step({"clamp": row[4]}, STEP) for row in later] == expected
+    assert expected[-1].y != 0.0
+    assert sim.time == 7 * STEP
+
+
+@pytest.mark.parametrize("made", COPIES.values(), ids=COPIES)
+def test_a_copy_of_a_failed_simulator_has_failed(made):
+    sim = Simulator(Scenario(), whole_plane=True)
+    sim.step({"xp": 20.0, "yp": 0.01, "clamp": -10.0}, 5e-3)
+    with pytest.raises(SimulationError):
+        sim.step({"xp": -20.0}, 50e-3)
+    other = made(sim)
+    assert (other.status, other.time, other.state) == (sim.status, sim.time, sim.state)
+    assert 5e-3 < other.time < 55e-3
+    with pytest.raises(SimulationError, match="heading"):
+        other.step({}, STEP)
+
+
+@pytest.mark.parametrize("made", COPIES.values(), ids=COPIES)
+def test_a_copy_before_the_first_step_has_the_impact_to_come(made):
+    sim = Simulator(Scenario(initial=State(vz=-1e-2)))
+    other = made(sim)
+    assert other.step({}, STEP) == sim.step({}, STEP)
+
+
+def test_an_effect_that_raises_leaves_the_simulator_where_it_was():
+    raises = False
+
+    def push(state, parameters):
+        if raises:
+            raise RuntimeError("no force today")
+        return 1e-9 * parameters[0], 0.0, 0.0
+
+    register(push)
+    try:
+        scenario = Scenario(effects={"own": {"k": 0.5}})
+        sim, twin = Simulator(scenario), Simulator(scenario)
+        for each in (sim, twin):
+            each.step({"clamp": -10.0, "xp": 5.0}, 10 * STEP)
+        raises = True
+        with pytest.raises(RuntimeError, match="today"):
+            sim.step({"xp": 20.0}, 10 * STEP)
+        raises = False
+        assert (sim.status, sim.time, sim.state) == (twin.status, twin.time, twin.state)
+        assert sim.voltages == twin.voltages
+        assert sim.step({"xp": -5.0}, STEP) == twin.step({"xp": -5.0}, STEP)
+    finally:
+        unregister("own")

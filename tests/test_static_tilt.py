@@ -101,14 +101,9 @@ def test_values_out_of_range_have_no_angle():
 
 @pytest.mark.parametrize(
     "key",
-    [
-        "drag.linear",
-        "effects.field_gain.clamp",
-        "effects.gradient_scale.fraction",
-        "contact.static_friction",
-        "effects.angle_adhesion.strength",
-    ],
-)
+    ["drag.linear", "effects.field_gain.clamp", "effects.gradient_scale.fraction",
+     "contact.static_friction", "effects.angle_adhesion.strength"],
+)  # fmt: skip
 def test_what_has_no_effect_on_an_angle_at_rest(key):
     fields = np.array([[1e-3, -1e-3], [0.0, 2e-3]])
     found = _core.static_tilts(Scenario().to_core(), [key], np.array([[1e-5], [0.5]]), fields)

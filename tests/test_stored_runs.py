@@ -1,10 +1,12 @@
-"""Runs that are read back from files, and the keys of a record."""
+"""Runs in files: read back, and written while they are simulated; the keys of a record."""
 
 import io
 import os
 import resource
+import signal
 import subprocess
 import sys
+import time
 from ast import literal_eval
 from pathlib import Path
 
@@ -12,8 +14,12 @@ import h5py
 import numpy as np
 import pandas as pd
 import pytest
+import xarray
 
-from recorded_runs import COARSE, assert_same_record
+from command_line import COMMAND, stickslip, stickslip_process
+from killed_recordings import killed
+from own_effects import register, unregister
+from recorded_runs import COARSE, DENSE, ENDLESS, assert_same_record
 from stickslip import (
     Drive,
     Note,
@@ -28,6 +34,7 @@ from stickslip import (
     sweep,
 )
 from stickslip.simulation import checked_file
+from stickslip.simulation.record_file import BLOCK, PART
 
 
 def test_a_run_that_is_read_back_is_drawn_and_goes_on(tmp_path):
@@ -189,3 +196,239 @@ def test_a_condition_that_was_never_met_is_a_note(tmp_path):
     assert note not in map(str, simulate(scenario, until="x >= 1e-6").notes)
     failed = simulate(scenario.replace({"solver.max_steps": 100}), until="x >= 1")
     assert note not in map(str, failed.notes)
+
+
+@pytest.fixture(scope="module")
+def dense():
+    run = simulate(DENSE)
+    assert BLOCK < len(run.t) < 2 * BLOCK
+    return run
+
+
+def names(folder):
+    return sorted(each.name for each in folder.iterdir())
+
+
+def test_a_run_that_is_recorded_into_a_file_is_the_one_in_memory(dense, tmp_path):
+    told = []
+    run = simulate(DENSE, out=tmp_path / "run.nc", progress=lambda *each: told.append(each))
+    dense.save(tmp_path / "saved.nc")
+    assert names(tmp_path) == ["run.nc", "saved.nc"]
+    for each in (run, open_run(tmp_path / "run.nc"), open_run(tmp_path / "saved.nc")):
+        assert repr(each) == repr(dense)
+        assert each.scenario == DENSE
+        assert each.final_state == dense.final_state
+        assert (each.complete, each.recorded_until) == (True, 0.17)
+        assert repr(each.summary()) == repr(dense.summary())
+        assert_same_record(each, dense)
+        assert each.to_xarray().identical(dense.to_xarray())
+    assert {stage for _, stage in told} <= {"simulating"}
+
+
+def test_the_file_is_compressed_and_the_same_for_other_programs(dense, tmp_path):
+    dense.save(tmp_path / "run.nc")
+    with xarray.open_dataset(tmp_path / "run.nc", engine="h5netcdf") as data:
+        assert data.identical(dense.to_xarray())
+        assert data.x.encoding["zlib"]
+        assert data.x.encoding["shuffle"]
+        assert data.x.encoding["chunksizes"] == (BLOCK,)
+        plain = sum(variable.nbytes for variable in data.variables.values())
+    assert (tmp_path / "run.nc").stat().st_size < 0.6 * plain
+
+
+@pytest.mark.parametrize("name", [None, "run.nc"])
+def test_a_record_keeps_what_it_is_asked_for(dense, tmp_path, name):
+    keys = {"record.from": 0.1, "record.fields": "theta,x, current", "record.dtype": "float32"}
+    run = simulate(DENSE.replace(keys), out=name and tmp_path / name)
+    # 0.1 s at 500 kHz: the samples before number 50 000 are left out.
+    assert run.t.tobytes() == dense.t[50_000:].tobytes()
+    for field in ("x", "theta", "current"):
+        expected = getattr(dense, field)[50_000:].astype(np.float32)
+        assert getattr(run, field).tobytes() == expected.tobytes()
+    assert set(run.to_xarray().variables) == {"t", "x", "theta", "current", "coil"}
+    with pytest.raises(AttributeError, match=r"did not record z: set record\.fields to name it"):
+        _ = run.z
+    # The motion is the same, whatever is recorded of it.
+    assert repr(run.summary()) == repr(dense.summary())
+    # Why t is not rounded: after five minutes float32 has steps of 31 us.
+    assert np.float32(333.0) + np.float32(1e-5) == np.float32(333.0)
+
+
+def test_events_are_recorded_from_a_time_on(tmp_path):
+    scenario = COARSE.replace({"record.rate": "events"})
+    every = simulate(scenario)
+    some = simulate(scenario.replace({"record.from": 0.1}), out=tmp_path / "run.nc")
+    later = every.t >= 0.1
+    assert 0 < later.sum() < len(later)
+    assert_same_record(some, every, later)
+    none = simulate(scenario.replace({"record.from": 0.17}), out=tmp_path / "run.nc")
+    assert (len(none.event), none.current.shape) == (0, (0, 5))
+    assert np.isnan(open_run(tmp_path / "run.nc").recorded_until)
+
+
+def test_what_was_recorded_before_an_interrupt_is_kept_as_a_part(tmp_path):
+    def interrupt(fraction, stage):
+        raise KeyboardInterrupt
+
+    path = tmp_path / "run.nc"
+    path.write_text("older")
+    scenario = ENDLESS.replace({"record.fields": ["x", "theta", "contact"]})
+    with pytest.raises(KeyboardInterrupt, match=r"run\.nc\.part has the record up to [\d.]+ s"):
+        simulate(scenario, out=path, progress=interrupt)
+    assert path.read_text() == "older"
+    assert names(tmp_path) == ["run.nc", f"run.nc{PART}"]
+    run = open_run(tmp_path / f"run.nc{PART}")
+    assert (run.status, run.complete, run.ok) == ("interrupted", False, False)
+    assert run.notes[0].code == "record-cut"
+    assert run.recorded_until == run.t[-1] > 0.0
+    # Where the run was stopped within a step, the step's other samples are not recorded.
+    assert 0.0 <= run.summary()["simulated_time"] - run.recorded_until < 0.01
+    # What there is are the bits of a shorter run.
+    pulses = int(run.recorded_until * 100.0) + 1
+    shorter = simulate(scenario.replace({"drive.pulses": max(pulses, 4)}))
+    for field in ("t", "x", "theta", "contact"):
+        assert getattr(run, field).tobytes() == getattr(shorter, field)[: len(run.t)].tobytes()
+
+
+def test_an_error_of_the_caller_passes_and_keeps_the_record(tmp_path):
+    def stop(fraction, stage):
+        raise LookupError("enough")
+
+    with pytest.raises(LookupError, match="enough"):
+        simulate(ENDLESS, out=tmp_path / "run.nc", progress=stop)
+    assert open_run(tmp_path / f"run.nc{PART}").status == "interrupted"
+    late = ENDLESS.replace({"record.from": 9000.0})
+    with pytest.raises(LookupError, match="enough"):
+        simulate(late, out=tmp_path / "none.nc", progress=stop)
+    assert names(tmp_path) == [f"run.nc{PART}"]  # nothing was recorded
+
+
+def test_an_effect_that_fails_keeps_the_record(tmp_path):
+    calls = []
+
+    def failing(state, parameters):
+        calls.append(1)
+        if len(calls) > 2000:
+            raise LookupError("broken")
+        return 0.0, 0.0, 0.0
+
+    register(failing, name="own")
+    try:
+        with pytest.raises(LookupError, match="broken"):
+            simulate(COARSE.replace({"effects.own.k": 0.5}), out=tmp_path / "run.nc")
+        run = open_run(tmp_path / f"run.nc{PART}")
+        assert (run.status, run.complete) == ("interrupted", False)
+        assert 0 < len(run.t) < 341
+    finally:
+        unregister("own")
+
+
+@pytest.mark.nightly
+def test_an_interrupted_command_says_what_it_kept(tmp_path):
+    ENDLESS.to_toml(tmp_path / "scenario.toml")
+    out = tmp_path / "out"
+    out.mkdir()
+    command = [*COMMAND, "run", tmp_path / "scenario.toml", "--out", out / "run.nc"]
+    process = subprocess.Popen(
+        list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    part, limit, seen = out / f"run.nc{PART}", time.monotonic() + 60.0, [0]
+    while seen[-1] < 4 * BLOCK:  # meanwhile it is read
+        assert time.monotonic() < limit
+        if part.exists():
+            try:
+                run = open_run(part)
+            except ScenarioError:
+                assert seen == [0]  # its head is being written
+                continue
+            assert not run.complete
+            assert len(run.t) == run.samples >= seen[-1]
+            assert np.array_equal(run.t, np.arange(run.samples) / 5e4)
+            seen.append(run.samples)
+    process.send_signal(signal.SIGINT)
+    printed, said = process.communicate(timeout=60)
+    assert (process.returncode, printed) == (130, "")
+    last = said.replace("\r", "\n").strip().splitlines()[-1]
+    run = open_run(part)
+    assert last.startswith("stickslip: interrupted, ")
+    assert last.endswith(f"run.nc.part has the record up to {run.recorded_until:.6g} s")
+    assert names(out) == [f"run.nc{PART}"]
+
+
+# Room for one block of 65 536 samples of 169 bytes and a margin, not for two.
+@pytest.mark.parametrize(("limit", "samples"), [(13_500_000, BLOCK), (100_000, 0)])
+def test_a_full_disk_ends_the_run_and_keeps_whole_blocks(tmp_path, limit, samples):
+    scenario = DENSE.replace({"drive.pulses": 20})
+    scenario.to_toml(tmp_path / "scenario.toml")
+    out = tmp_path / "out"
+    out.mkdir()
+    path = out / "run.nc"
+    done = stickslip_process("run", tmp_path / "scenario.toml", "--out", path, largest_file=limit)
+    assert (done.returncode, done.stdout) == (1, "")
+    said = f"stickslip: cannot write {path}{PART}: File too large"
+    if not samples:
+        assert done.stderr.endswith(f"{said}\n")
+        assert names(out) == []
+        return
+    # A slow machine shows a progress bar before.
+    assert done.stderr.endswith(f"{said}; {path}{PART} has the record up to 0.13107 s\n")
+    assert names(out) == [f"run.nc{PART}"]
+    run = open_run(f"{path}{PART}")
+    assert (run.status, run.complete) == ("interrupted", False)
+    assert_same_record(run, simulate(scenario), slice(samples))
+
+
+# One within the writing of a block, and one at any time.
+@pytest.mark.parametrize("k", range(2))
+def test_a_killed_recording_leaves_whole_blocks_or_no_file(tmp_path, k):
+    killed(tmp_path, np.random.default_rng([7, k]), inside=k % 2 == 0)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("k", range(60))
+def test_many_killed_recordings(tmp_path, k):
+    killed(tmp_path, np.random.default_rng([8, k]), inside=k % 3 == 0)
+
+
+def test_two_recordings_of_one_name_never_mix(tmp_path):
+    part = tmp_path / f"run.nc{PART}"
+    simulate(COARSE).save(tmp_path / "other.nc")
+
+    def replace(fraction, stage):
+        if (tmp_path / "other.nc").exists():  # as another process does, which began later
+            (tmp_path / "other.nc").replace(part)
+
+    with pytest.raises(OSError, match="another process has replaced it"):
+        simulate(ENDLESS, out=tmp_path / "run.nc", progress=replace)
+    assert open_run(part).samples == 341
+
+
+@pytest.mark.nightly
+def test_memory_does_not_grow_with_the_record(tmp_path):
+    code = (
+        "import resource, sys\n"
+        "from stickslip import *\n"
+        "scenario = load(sys.argv[1])\n"
+        "for pulses in (12, 30):\n"
+        "    run = simulate(scenario.replace({'drive.pulses': pulses}), out=sys.argv[2])\n"
+        "    print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)\n"
+    )
+    DENSE.to_toml(tmp_path / "scenario.toml")
+    arguments = [sys.executable, "-c", code, tmp_path / "scenario.toml", tmp_path / "run.nc"]
+    done = subprocess.run(list(map(str, arguments)), capture_output=True, text=True, check=True)
+    short, long = map(int, done.stdout.split())  # KiB
+    # 0.18 s at 500 kHz are 90 000 samples more, which would be 15 MB.
+    assert long - short < 8_000
+
+
+def test_a_picture_needs_all_that_it_draws(tmp_path):
+    COARSE.to_toml(tmp_path / "scenario.toml")
+    run = ["run", tmp_path / "scenario.toml", "--out", tmp_path / "run.nc"]
+    done = stickslip(*run, "--plot", tmp_path / "run.png", "--set", "record.fields=x,theta")
+    assert done.returncode == 2
+    assert 'stickslip: --plot: record.fields = "x, theta"' in done.stderr
+    assert "also t, z, omega" not in done.stderr  # t is always there
+    assert "z, omega, normal_force" in done.stderr
+    done = stickslip(*run, "--plot", tmp_path / "run.png", "--set", "record.from=0.05")
+    assert done.returncode == 0
+    assert (tmp_path / "run.png").stat().st_size > 0

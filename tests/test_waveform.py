@@ -17,13 +17,6 @@ from stickslip import (
     volts_per_tesla,
 )
 
-DRIVES = [
-    {},
-    {"frequency": 30.0, "base": 0.5e-3, "edge": "fall", "clamp": "up", "pulses": 7},
-    {"edge_time": 2e-3, "ramp": 0.0, "ramp_down": 0.03, "direction": "-x"},
-    {"edge_time": 2e-3, "edge": "fall", "base": -1e-3, "clamp": "up"},
-]
-
 
 def core_blocks(scenario):
     return [(t.tolist(), v.tolist(), n) for t, v, n in scenario.to_core().program().blocks]
@@ -33,13 +26,39 @@ def blocks(waveform):
     return [(t.tolist(), v.tolist(), n) for t, v, n in waveform.blocks]
 
 
-@pytest.mark.parametrize("fields", DRIVES)
-@pytest.mark.parametrize("mode", ["IPP", "OPP"])
-def test_builders_give_the_voltages_of_the_drive_modes(mode, fields):
-    coil = Coil(resistance=12.0, distance=0.09)
-    build = Waveform.ipp if mode == "IPP" else Waveform.opp
-    scenario = Scenario(drive=Drive(mode=mode, **fields), coil=coil)
-    assert blocks(build(coil=coil, **fields)) == core_blocks(scenario)
+@pytest.mark.parametrize("direction", ["+x", "-x"])
+@pytest.mark.parametrize("edge_time", [0.0, 2e-3])  # s; without, the edge is a jump
+@pytest.mark.parametrize("edge", ["rise", "fall"])
+@pytest.mark.parametrize(("mode", "clamp"), [("IPP", "down"), ("OPP", "up")])
+def test_builders_give_every_breakpoint_of_the_drive_modes(mode, clamp, edge, edge_time, direction):
+    coil, base, peak, hold = Coil(resistance=12.0, distance=0.09), 0.5e-3, 2.5e-3, 1e-3
+    fields = {"frequency": 40.0, "peak": peak, "base": base, "hold": hold, "ramp": 0.05,
+              "pulses": 7, "edge": edge, "edge_time": edge_time, "ramp_down": 0.1,
+              "clamp": clamp, "direction": direction}  # fmt: skip
+    made = (Waveform.ipp if mode == "IPP" else Waveform.opp)(coil=coil, **fields)
+    assert blocks(made) == core_blocks(Scenario(drive=Drive(mode=mode, **fields), coil=coil))
+    top = edge_time if edge == "rise" else 1.0 / 40.0 - edge_time
+    in_plane, forward = mode == "IPP", direction == "+x"
+    expected = [
+        ([0.0, 0.05], [0.0, base], [0.0, hold], 1),
+        ([0.0, top, 1.0 / 40.0], [base, peak, base], [hold, hold, hold], 7),
+        # Of the coil in the plane alone.
+        ([0.0, 0.1], [base, base * (not in_plane)], [hold, hold * in_plane], 1),
+    ]
+    # xp, or xm, whose positive current points the other way.
+    for (t, v, n), (times, tooth, held, repeats) in zip(made.blocks, expected, strict=True):
+        plane, up = (tooth, np.negative(held)) if in_plane else (held, tooth)
+        fields = np.zeros((len(t), 5))
+        fields[:, 0 if forward else 1] = plane if forward else np.negative(plane)
+        fields[:, 4] = up
+        assert t == pytest.approx(np.array(times), rel=3e-16, abs=0.0)
+        assert v == pytest.approx(volts_per_tesla(coil) * fields, rel=1e-15, abs=0.0)
+        assert n == repeats
+
+
+def test_without_ramps_there_are_no_blocks_for_them_and_any_pulses_are_one():
+    ((t, _, repeats),) = Waveform.ipp(ramp=0.0, ramp_down=0.0, pulses=400_000_000).blocks
+    assert (len(t), repeats) == (3, 400_000_000)
 
 
 def test_volts_per_tesla_is_resistance_over_field_per_ampere():
@@ -175,25 +194,6 @@ def test_csv_keeps_every_bit_and_any_order_of_columns(tmp_path):
     assert Waveform.from_csv(shuffled) == waveform
 
 
-def test_lines_of_a_csv_file_that_begin_with_a_hash_are_comments(tmp_path):
-    path = tmp_path / "voltages.csv"
-    path.write_text("# of Tuesday\nt,xp,xm,yp,ym,clamp\n0,0,0,0,0,0\n# a jump\n1,5,0,0,0,-10\n")
-    t, v = Waveform.from_csv(path).points()
-    assert t.tolist() == [0.0, 1.0]
-    assert v[1].tolist() == [5.0, 0.0, 0.0, 0.0, -10.0]
-    path.write_text("# of Tuesday\nt,xp,xm,yp,ym,clamp\n0,0,0,0,0,0\n# a jump\n1,x,0,0,0,-10\n")
-    with pytest.raises(ScenarioError, match="row 5"):  # the line of the file
-        Waveform.from_csv(path)
-
-
-def test_repeats_in_csv_are_the_same_voltages(tmp_path):
-    waveform = Waveform.ipp(pulses=3)
-    waveform.to_csv(tmp_path / "ipp.csv")
-    read = Waveform.from_csv(tmp_path / "ipp.csv")
-    t = np.linspace(0.0, waveform.duration, 999)[1:-1]
-    np.testing.assert_allclose(read.voltages(t), waveform.voltages(t), atol=1e-9)
-
-
 def test_waveforms_are_values():
     waveform = Waveform.opp(pulses=3)
     assert pickle.loads(pickle.dumps(waveform)) == waveform
@@ -220,11 +220,6 @@ def test_a_program_has_no_sawtooth_beside_it():
     sawtooth = Scenario(drive=Drive(mode="OPP", frequency=45.0, peak=1e-3))
     replaced = sawtooth.replace({f"drive.{key}": value for key, value in given.items()})
     assert replaced == played
-
-
-def test_a_program_needs_its_mode():
-    with pytest.raises(ScenarioError, match='allowed is "program"'):
-        Scenario(drive=Drive(mode="IPP", program=Waveform.ipp(pulses=1)))
 
 
 @pytest.mark.parametrize("frequency", [7.0, 30.0, 33.3, 100.0, 123.456, 250.0])

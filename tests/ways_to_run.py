@@ -68,11 +68,7 @@ def packs(table: Table, width: int) -> Iterator[str]:
         "PYTHONPATH": os.pathsep.join([folder, *sys.path]),
     }
     done = subprocess.run(
-        [sys.executable, "-c", code],
-        capture_output=True,
-        text=True,
-        env=environment,
-        check=False,
+        [sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=False
     )
     assert done.returncode == 0, done.stderr
     packed = json.loads(done.stdout)
@@ -260,9 +256,7 @@ def restored(table: Table) -> Iterator[str]:
 
 
 # They know the time since the run began, or how the voltage came to where it is, or will.
-NOT_BEGUN_AGAIN = {
-    *("late", "sample_hold", "free_friction_age", "free_field_time", *OWN),
-}
+NOT_BEGUN_AGAIN = {*("late", "sample_hold", "free_friction_age", "free_field_time", *OWN)}
 
 
 def begun_again(table: Table) -> Iterator[str]:
@@ -332,12 +326,9 @@ def in_both_planes(table: Table) -> Iterator[str]:
 
 # What points somewhere along the surface of the world.
 TURNED_KEYS = (
-    "effects.ambient_field.Bx",
-    "effects.ambient_field.By",
-    "effects.surface_tilt.angle",
-    "effects.friction_patches.amplitude",
-    "shake.amplitude_x",
-)
+    "effects.ambient_field.Bx", "effects.ambient_field.By", "effects.surface_tilt.angle",
+    "effects.friction_patches.amplitude", "shake.amplitude_x",
+)  # fmt: skip
 
 
 def turned(scenario: Scenario) -> Scenario:
@@ -408,15 +399,11 @@ def _ahead(run: Run) -> float:
 WAYS: dict[str, Way] = {
     "batch": batch,
     **{f"packs of {width}": functools.partial(packs, width=width) for width in (1, 4, 8)},
-    "recorded": recorded,
-    "swept": swept,
-    "stepped": stepped,
-    "restored": restored,
-    "begun again": begun_again,
-    "rolled out": rolled_out,
+    "recorded": recorded, "swept": swept, "stepped": stepped, "restored": restored,
+    "begun again": begun_again, "rolled out": rolled_out,
     "in both planes": in_both_planes,
     "from behind": from_behind,
-}
+}  # fmt: skip
 
 
 def main() -> None:

@@ -43,14 +43,10 @@ class Mutation(NamedTuple):
 
 
 MUTATIONS = (
-    Mutation(
-        "one plane",
-        "friction_anisotropy",
-        "named_laws.cpp",
-        "if (amplitude == 0.0) continue;\n        result",
-        "if (amplitude == 0.0 || (row.kind.argument == slip_sign && !frame.whole_plane))\n"
-        "            continue;\n        result",
-    ),
+    Mutation("one plane", "friction_anisotropy", "named_laws.cpp",
+             "if (amplitude == 0.0) continue;\n        result",
+             "if (amplitude == 0.0 || (row.kind.argument == slip_sign && !frame.whole_plane))\n"
+             "            continue;\n        result"),
     Mutation(
         "one plane",
         "angle_adhesion",
@@ -59,113 +55,48 @@ MUTATIONS = (
         "if (amplitude == 0.0 || (row.kind.argument == sine && !frame.whole_plane)) continue;\n"
         "        result",
     ),
-    Mutation(
-        "whole plane",
-        "surface_tilt",
-        "assembly.cpp",
-        "{weight * downhill.x, weight * downhill.y});",
-        "{0.0 * weight * downhill.x, 0.0});",
-    ),
-    Mutation(
-        "packs",
-        "adhesion_ageing",
-        "lanes.cpp",
-        "if constexpr (kEffects) put_laws(place);",
-        "",
-    ),
-    Mutation(
-        "packs",
-        "friction_patches",
-        "lanes.cpp",
-        "laws_[i * size_ + place] = number;",
-        "laws_[i * size_ + place] = 0.5 * number;",
-    ),
-    Mutation(
-        "stepped",
-        "sample_hold",
-        "control_steps.hpp",
-        ": hold_(hold_period),",
-        ": hold_(0.0 * hold_period),",
-    ),
-    Mutation(
-        "stepped",
-        "amplifier_limit",
-        "control_steps.cpp",
-        "if (limit_ > 0.0) points",
-        "if (limit_ < 0.0) points",
-    ),
-    Mutation(
-        "restored",
-        "adhesion_ageing",
-        "player.cpp",
-        "    dynamics_.set_contact_age(snapshot.contact_age);\n",
-        "",
-    ),
-    Mutation(
-        "restored",
-        "eddy_lag",
-        "circuit.cpp",
-        "    lagging_ = memory.lagging;\n",
-        "",
-    ),
-    Mutation(
-        "rolled out",
-        "misalignment",
-        "rollout.cpp",
-        "        Scenario own = without_record(*given);\n",
-        "        Scenario own = without_record(*given);\n"
-        "        own.effects.misalignment_angle = 0.0;\n",
-    ),
-    Mutation(
-        "swept",
-        "quadratic_drag",
-        "scenario_rows.cpp",
-        "        set_parameter(scenario, key, value);\n",
-        '        if (key != "effects.quadratic_drag.coefficient") {\n'
-        "            set_parameter(scenario, key, value);\n"
-        "        }\n",
-    ),
-    Mutation(
-        "in a batch",
-        "gradient_scale",
-        "batch.cpp",
-        "[&](std::size_t index) { return std::optional(scenarios[index]); },",
-        "[&](std::size_t index) {\n"
-        "            Scenario each = scenarios[index];\n"
-        "            if (scenarios.size() > 1) each.effects.gradient_scale_fraction = 0.0;\n"
-        "            return std::optional(each);\n"
-        "        },",
-    ),
-    Mutation(
-        "towards -x",
-        "friction_patches",
-        "named_laws.cpp",
-        "if (frame.sign < 0.0) {\n        for (Law& law",
-        "if (false) {\n        for (Law& law",
-    ),
-    Mutation(
-        "towards -x",
-        "ambient_field",
-        "assembly.cpp",
-        "frame.sign * scenario.effects.ambient_field_bx,",
-        "scenario.effects.ambient_field_bx,",
-    ),
-    Mutation(
-        "map towards -x",
-        "nothing",
-        "coils.cpp",
-        "std::make_shared<const FieldMap>(scenario.map->turned())",
-        "scenario.map",
-    ),
-    Mutation(
-        "own effects",
-        "own_compiled",
-        "assembly.cpp",
-        "if (!each.absent()) model.user_effects.push_back(each);",
-        "if (!each.absent() && s.record.kind == RecordKind::none) "
-        "model.user_effects.push_back(each);",
-    ),
-)
+    Mutation("whole plane", "surface_tilt", "assembly.cpp",
+             "{weight * downhill.x, weight * downhill.y});", "{0.0 * weight * downhill.x, 0.0});"),
+    Mutation("packs", "adhesion_ageing", "lanes.cpp", "if constexpr (kEffects) put_laws(place);",
+             ""),
+    Mutation("packs", "friction_patches", "lanes.cpp", "laws_[i * size_ + place] = number;",
+             "laws_[i * size_ + place] = 0.5 * number;"),
+    Mutation("stepped", "sample_hold", "control_steps.hpp", ": hold_(hold_period),",
+             ": hold_(0.0 * hold_period),"),
+    Mutation("stepped", "amplifier_limit", "control_steps.cpp", "if (limit_ > 0.0) points",
+             "if (limit_ < 0.0) points"),
+    Mutation("restored", "adhesion_ageing", "player.cpp",
+             "    dynamics_.set_contact_age(snapshot.contact_age);\n", ""),
+    Mutation("restored", "eddy_lag", "circuit.cpp", "    lagging_ = memory.lagging;\n", ""),
+    Mutation("rolled out", "misalignment", "rollout.cpp",
+             "        Scenario own = without_record(*given);\n",
+             "        Scenario own = without_record(*given);\n"
+             "        own.effects.misalignment_angle = 0.0;\n"),
+    Mutation("swept", "quadratic_drag", "scenario_rows.cpp",
+             "        set_parameter(scenario, key, value);\n",
+             '        if (key != "effects.quadratic_drag.coefficient") {\n'
+             "            set_parameter(scenario, key, value);\n"
+             "        }\n"),
+    Mutation("in a batch", "gradient_scale", "batch.cpp",
+             "[&](std::size_t index) { return std::optional(scenarios[index]); },",
+             "[&](std::size_t index) {\n"
+             "            Scenario each = scenarios[index];\n"
+             "            if (scenarios.size() > 1) each.effects.gradient_scale_fraction = 0.0;\n"
+             "            return std::optional(each);\n"
+             "        },"),
+    Mutation("towards -x", "friction_patches", "named_laws.cpp",
+             "if (frame.sign < 0.0) {\n        for (Law& law",
+             "if (false) {\n        for (Law& law"),
+    Mutation("towards -x", "ambient_field", "assembly.cpp",
+             "frame.sign * scenario.effects.ambient_field_bx,",
+             "scenario.effects.ambient_field_bx,"),
+    Mutation("map towards -x", "nothing", "coils.cpp",
+             "std::make_shared<const FieldMap>(scenario.map->turned())", "scenario.map"),
+    Mutation("own effects", "own_compiled", "assembly.cpp",
+             "if (!each.absent()) model.user_effects.push_back(each);",
+             "if (!each.absent() && s.record.kind == RecordKind::none) "
+             "model.user_effects.push_back(each);"),
+)  # fmt: skip
 
 
 def drawn(seed: int) -> list[Mutation]:

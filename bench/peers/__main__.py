@@ -118,25 +118,14 @@ def motion_rows(entries: list[Entry], repeats: int) -> list[dict]:
     works += [lambda s=scenario: stickslip.simulate(s) for scenario in scenarios]
     costs = [cost / reference.duration for cost in cpu_seconds_in_turn(works, repeats)]
     own_costs = dict(zip(distinct, costs[len(entries) :], strict=True))
-    rows = []
-    for entry, error, rtol, cost in zip(entries, errors, tolerances, costs, strict=False):
-        rows.append(
-            {
-                "peer": entry.peer,
-                "settings": entry.settings,
-                "unit": "CPU s / simulated s",
-                "cost": cost,
-                "error": error,
-                "stickslip_settings": f"rtol {rtol:.0e}",
-                "stickslip_cost": own_costs[rtol],
-                "stickslip_error": own_errors[rtol],
-                "ratio": cost / own_costs[rtol],
-                "target": TARGETS[entry.peer],
-                "compile_seconds": entry.compile_seconds,
-                "wrong": entry.checked and error > WRONG,
-            }
-        )
-    return rows
+    return [
+        {"peer": entry.peer, "settings": entry.settings, "unit": "CPU s / simulated s",
+         "cost": cost, "error": error, "stickslip_settings": f"rtol {rtol:.0e}",
+         "stickslip_cost": own_costs[rtol], "stickslip_error": own_errors[rtol],
+         "ratio": cost / own_costs[rtol], "target": TARGETS[entry.peer],
+         "compile_seconds": entry.compile_seconds, "wrong": entry.checked and error > WRONG}
+        for entry, error, rtol, cost in zip(entries, errors, tolerances, costs, strict=False)
+    ]  # fmt: skip
 
 
 def field_rows(repeats: int) -> list[dict]:
@@ -155,25 +144,17 @@ def field_rows(repeats: int) -> list[dict]:
         works += [lambda f=theirs: f(points), lambda f=ours: f(points, current)]
     costs = [1e9 * cost / POINTS for cost in cpu_seconds_in_turn(works, repeats)]
     rows = []
-    for k, (name, (theirs, ours)) in enumerate(pairs.items()):
+    for (name, (theirs, ours)), cost, own_cost in zip(
+        pairs.items(), costs[::2], costs[1::2], strict=True
+    ):
         exact = ours(points, current)
         error = float(np.abs(theirs(points) - exact).max() / np.abs(exact).max())
-        rows.append(
-            {
-                "peer": "magpylib",
-                "settings": name,
-                "unit": "ns / point and coil",
-                "cost": costs[2 * k],
-                "error": error,
-                "stickslip_settings": "analytic",
-                "stickslip_cost": costs[2 * k + 1],
-                "stickslip_error": 0.0,
-                "ratio": costs[2 * k] / costs[2 * k + 1],
-                "target": TARGETS["magpylib"],
-                "compile_seconds": 0.0,
-                "wrong": error > 1e-6,
-            }
-        )
+        rows.append({
+            "peer": "magpylib", "settings": name, "unit": "ns / point and coil", "cost": cost,
+            "error": error, "stickslip_settings": "analytic", "stickslip_cost": own_cost,
+            "stickslip_error": 0.0, "ratio": cost / own_cost, "target": TARGETS["magpylib"],
+            "compile_seconds": 0.0, "wrong": error > 1e-6,
+        })  # fmt: skip
     return rows
 
 
@@ -198,11 +179,10 @@ def show(rows: list[dict]) -> None:
         f" | {'stickslip':>10}{'cost':>9}{'error':>8} | {'ratio':>6} {'target':>6}"
     )
     for row in rows:
-        target = "-" if row["target"] is None else f"{row['target']:.0f}"
         print(
             f"{row['peer']:9}{row['settings']:32}{row['cost']:9.3g} {row['unit']:20}"
             f"{row['error']:8.1e} | {row['stickslip_settings']:>10}{row['stickslip_cost']:9.3g}"
-            f"{row['stickslip_error']:8.1e} | {row['ratio']:6.3g} {target:>6}"
+            f"{row['stickslip_error']:8.1e} | {row['ratio']:6.3g} {row['target']:6.0f}"
             f"{'  WRONG' if row['wrong'] else ''}"
         )
 
@@ -211,17 +191,8 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m bench peers", description=__doc__)
     parser.add_argument("--repeats", type=int, default=5)
     add_out(parser, "peers")
-    parser.add_argument(
-        "--shaken", action="store_true", help="print a block on a shaken surface, and nothing else"
-    )
     options = parser.parse_args()
     core = pin()
-    if options.shaken:
-        from peers.shaken import rows as shaken_rows
-
-        show(shaken_rows(options.repeats))
-        return 0
-
     versions = {name: installed_version(name) for name in TARGETS}
     missing = [name for name, version in versions.items() if version is None]
     entries = [e for name, make in ENTRIES.items() if name not in missing for e in make()]

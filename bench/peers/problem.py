@@ -72,17 +72,12 @@ class Body:
     def scaled(self, length: float, mass: float, time: float) -> Body:
         """In other units; each argument is how many new units make one SI unit."""
         force = mass * length / time**2
-        return Body(
-            half_length=self.half_length * length,
-            half_height=self.half_height * length,
-            half_width=self.half_width * length,
-            mass=self.mass * mass,
-            inertia=self.inertia * mass * length**2,
-            weight=self.weight * force,
-            adhesion=self.adhesion * force,
-            linear_drag=self.linear_drag * mass / time,
-            quadratic_drag=self.quadratic_drag * mass * length**2,
-        )
+        factors = {
+            "half_length": length, "half_height": length, "half_width": length, "mass": mass,
+            "inertia": mass * length**2, "weight": force, "adhesion": force,
+            "linear_drag": mass / time, "quadratic_drag": mass * length**2,
+        }  # fmt: skip
+        return Body(**{name: factor * getattr(self, name) for name, factor in factors.items()})
 
 
 @dataclass(frozen=True)

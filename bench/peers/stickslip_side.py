@@ -16,19 +16,10 @@ EXACT = 1e-12  # tolerance of the solution that all errors are taken from
 def scenario_of(drive: Drive, rtol: float) -> stickslip.Scenario:
     """The scenario of `drive`, at the solver tolerance `rtol`."""
     return stickslip.Scenario(
-        drive=stickslip.Drive(
-            mode="IPP",
-            peak=drive.peak,
-            frequency=drive.frequency,
-            hold=drive.hold,
-            base=BASE,
-            ramp=RAMP,
-            pulses=PULSES,
-            edge="rise",
-            clamp="down",
-        ),
+        drive=stickslip.Drive(mode="IPP", peak=drive.peak, frequency=drive.frequency,
+                              hold=drive.hold, base=BASE, ramp=RAMP, pulses=PULSES),
         solver=stickslip.Solver(rtol=rtol),
-    )
+    )  # fmt: skip
 
 
 def velocity(drive: Drive, rtol: float) -> float:
@@ -54,18 +45,11 @@ def creep(share: float, seconds: float) -> float:
     for _ in range(50):
         pull = np.cos(angle) + contact.adhesion / weight
         angle = float(np.arcsin(share * contact.static_friction * pull))
-    resting = nominal.replace(
-        {
-            "drive.peak": 0.0,
-            "drive.base": 0.0,
-            "drive.hold": 0.0,
-            "drive.ramp": 0.0,
-            "drive.frequency": 100.0,
-            "drive.pulses": round(100.0 * seconds),
-            "effects.surface_tilt.angle": angle,
-            "record.rate": 100.0,
-        }
-    )
+    resting = nominal.replace({
+        **dict.fromkeys(("drive.peak", "drive.base", "drive.hold", "drive.ramp"), 0.0),
+        "drive.frequency": 100.0, "drive.pulses": round(100.0 * seconds),
+        "effects.surface_tilt.angle": angle, "record.rate": 100.0,
+    })  # fmt: skip
     run = stickslip.simulate(resting)
     if not run.ok:
         raise RuntimeError(run.message)

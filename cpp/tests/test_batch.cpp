@@ -5,11 +5,17 @@
 #include <optional>
 #include <stdexcept>
 #include <thread>
+#include <type_traits>
 #include <vector>
 
 #include "stickslip/batch/batch.hpp"
+#include "stickslip/batch/simulator.hpp"
 
 using namespace stickslip;
+
+static_assert(!std::is_copy_constructible_v<Simulator> && !std::is_copy_assignable_v<Simulator>);
+static_assert(!std::is_move_constructible_v<Run>);
+static_assert(!std::is_copy_assignable_v<Run>);
 
 namespace {
 
@@ -99,4 +105,27 @@ TEST_CASE("batch: polls while it waits, on the calling thread") {
     run_workers(
         1, control, [&] { wait_until(polled); }, poll);
     CHECK(caller == std::this_thread::get_id());
+}
+
+TEST_CASE("lanes: a stop ends them all") {
+    Scenario endless;
+    endless.drive.base = 0.5e-3;
+    endless.drive.pulses = 100'000'000;
+    RunControl control;
+    int taken = 0, ended = 0;
+    LaneStore lanes;
+    play_in_lanes(
+        step_kernels(), 8,
+        [&] {
+            if (++taken == 8) control.stop = true;
+            return lanes.make(0, endless, control);
+        },
+        [&](Lane& lane) {
+            CHECK(lane.run.status() == Status::interrupted);
+            ++ended;
+            lanes.erase(lane);
+        },
+        control);
+    CHECK(taken == 8);
+    CHECK(ended == 8);
 }

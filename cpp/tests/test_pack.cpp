@@ -3,8 +3,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "stickslip/numbers/elementary.hpp"
+#include "stickslip/numbers/number_text.hpp"
 #include "stickslip/numbers/pack.hpp"
 #include "support.hpp"
 
@@ -108,4 +110,25 @@ TEST_CASE("pack: a comparison with what is no number holds for none") {
     CHECK(members(pack(nan, 1.0) <= pack(1.0, 1.0)) == 0b10u);
     CHECK(members(!(pack(nan, 1.0) <= pack(1.0, 1.0))) == 0b01u);
     CHECK(!any(pack(nan, nan) < pack(1.0, 1.0)));
+}
+
+TEST_CASE("numbers have the same text without a floating std::to_chars") {
+    std::mt19937_64 random(1);
+    std::uniform_real_distribution<double> exponent(-30.0, 30.0);
+    const auto check = [](double value) {
+        CHECK(by_printf::digits(value) == digits(value));
+        CHECK(by_printf::rounded(value) == rounded(value));
+    };
+    for (int i = 0; i < 2000; ++i) {
+        const double value = std::pow(10.0, exponent(random));
+        check(value);
+        check(-value);
+        check(std::floor(value));
+        check(static_cast<double>(random() % 100000) * 1e-6);
+    }
+    constexpr double kMost = std::numeric_limits<double>::max();
+    for (const double value : {0.0, -0.0, 1e-4, 1e5, 123456789012345678.0, kMost, -kMost, HUGE_VAL,
+                               -HUGE_VAL, std::numeric_limits<double>::denorm_min()}) {
+        check(value);
+    }
 }

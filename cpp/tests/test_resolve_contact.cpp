@@ -4,11 +4,15 @@
 #include <array>
 #include <cmath>
 
+#include "stickslip/contact/contact.hpp"
+#include "stickslip/contact/dynamics.hpp"
 #include "stickslip/contact/frame.hpp"
 #include "support.hpp"
 
 using namespace stickslip;
 using stickslip::test::all_driven;
+using stickslip::test::in_uniform_field;
+using stickslip::test::kRounding;
 using stickslip::test::paper_coils;
 using stickslip::test::paper_model;
 using stickslip::test::Random;
@@ -275,4 +279,60 @@ TEST_CASE("resolve: nothing that touches stays so") {
     const Resolution found = resolve_contact(FixedFrame(dynamics), 0.0, body, Touch::none, {}, 0);
     CHECK(found.mode == ContactMode{Touch::none, 0});
     CHECK(found.quadrant == -2);
+}
+
+TEST_CASE("impulse without collision: slip and nothing else, through the corner") {
+    const Model model = paper_model();
+    Random random(4);
+    for (int n = 0; n < 200; ++n) {
+        const double angle = random.between(0.0, kQuarterTurn), slip = random.between(-0.2, 0.2);
+        const Pose pose = model.shape.pose(0, std::cos(angle), std::sin(angle));
+        BodyState before;
+        before.omega = random.between(-1000.0, 1000.0);
+        before.vx = slip + before.omega * pose.height;
+        before.vz = before.omega * pose.lever_arm;
+        BodyState after = before;
+        stop_slip_by_impulse(model, pose, slip, after);
+        const double speed = std::abs(slip) + 1000.0 * model.shape.radius();
+        CHECK(std::abs(corner_velocity_x(pose, after.vx, after.omega)) < 4.0 * kRounding * speed);
+        CHECK(std::abs(corner_velocity_z(pose, after.vz, after.omega)) < 4.0 * kRounding * speed);
+        // Angular momentum about the corner: J omega + m (height vx + lever vz).
+        const auto momentum = [&](const BodyState& body) {
+            return model.inertia * body.omega +
+                   model.mass * (pose.height * body.vx + pose.lever_arm * body.vz);
+        };
+        CHECK(std::abs(momentum(after) - momentum(before)) <
+              16.0 * kRounding * model.mass * model.shape.radius() * speed);
+        const auto energy = [&](const BodyState& body) {
+            return 0.5 * model.mass * (body.vx * body.vx + body.vz * body.vz) +
+                   0.5 * model.inertia * body.omega * body.omega;
+        };
+        CHECK(energy(after) <= energy(before) * (1.0 + 8.0 * kRounding));
+    }
+}
+
+TEST_CASE("pose: that of the C library but for rounding, in every quadrant and turns beyond") {
+    const Model model = paper_model();
+    Dynamics dynamics = in_uniform_field(model, 0.0, 0.0);
+    for (const int quadrant : {0, 1, -6}) {
+        dynamics.set_quadrant(quadrant);
+        for (const double angle :
+             {-0.1, 0.0, 1e-9, 0.4, 0.785, 1.2, kQuarterTurn, 1.68, 1.69, -0.12, 3.0, -40.0}) {
+            const Pose pose = dynamics.pose(angle);
+            const Pose direct = model.pose(quadrant, angle);
+            // That of `cosine_and_sine`, and what an angle of 40 loses; then two roundings.
+            const double tolerance = (4.0 + std::abs(angle)) * kRounding;
+            CHECK(std::abs(pose.cosine - direct.cosine) < tolerance);
+            CHECK(std::abs(pose.sine - direct.sine) < tolerance);
+            CHECK(std::abs(pose.lever_arm - direct.lever_arm) <
+                  2.0 * tolerance * model.shape.radius());
+            CHECK(std::abs(pose.height - direct.height) < 2.0 * tolerance * model.shape.radius());
+            CHECK(pose.angle == angle);
+        }
+        // Where a face lies flat.
+        CHECK(dynamics.pose(0.0).cosine == 1.0);
+        CHECK(dynamics.pose(0.0).sine == 0.0);
+        CHECK(dynamics.pose(kQuarterTurn).cosine == 0.0);
+        CHECK(dynamics.pose(kQuarterTurn).sine == 1.0);
+    }
 }

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "stickslip/drive/sawtooth.hpp"
 #include "stickslip/drive/voltage_program.hpp"
 #include "support.hpp"
 
@@ -68,14 +69,6 @@ TEST_CASE("segment cursor: the last of a hundred thousand repeats starts as exac
     CHECK(std::abs(segment.end - program.duration()) <= 4.0 * kRounding * program.duration());
 }
 
-TEST_CASE("voltage program: repeats do not grow it") {
-    constexpr std::int64_t many = 1'000'000'000'000;
-    const VoltageProgram program({{{point(0.0, 0.0), point(0.5, 1.0)}, many}});
-    CHECK(program.blocks().size() == 1);
-    CHECK(program.blocks().front().points.size() == 2);
-    CHECK(program.duration() == 0.5e12);
-}
-
 TEST_CASE("voltage program: what cannot be played is refused, with its point") {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const double infinite = std::numeric_limits<double>::infinity();
@@ -98,4 +91,10 @@ TEST_CASE("voltage program: what cannot be played is refused, with its point") {
                          "block 2: point 2: t = 0: no duration; allowed is above 0 s",
                          std::invalid_argument);
     CHECK_NOTHROW(build(good));
+}
+
+TEST_CASE("drive: a free program has no sawtooth") {
+    Drive drive;
+    drive.mode = DriveMode::program;
+    CHECK_THROWS_AS(sawtooth_program(drive, {}, {}), std::invalid_argument);
 }

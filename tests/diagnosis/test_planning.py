@@ -142,21 +142,16 @@ def test_a_plan_that_is_filled_in_is_diagnosed(filled_in):
 
 @pytest.mark.parametrize(
     ("scenario", "more", "words"),
-    [
-        ("s.toml", {}, "a Scenario"),
-        (NOMINAL, {"count": 1}, "count = 1"),
-        (NOMINAL, {"count": 10_000}, "allowed are at most"),
-        (NOMINAL, {"noise": 0.0}, "noise = 0.0"),
-        (NOMINAL, {"noise": 5}, "noise = 5: allowed is a number above 0 and below 1"),
-        (NOMINAL, {"trials": 0}, "trials = 0"),
-        (Scenario(robot=Robot(magnetization=0.0)), {}, "does not move"),
-        (
-            NOMINAL.with_uncertain({"contact.kinetic_friction": {"mean": 0.15, "sd": 9.0}}),
-            {},
-            "contact.kinetic_friction: an eighth of its stated error",
-        ),
-    ],
-)
+    [("s.toml", {}, "a Scenario"),
+     (NOMINAL, {"count": 1}, "count = 1"),
+     (NOMINAL, {"count": 10_000}, "allowed are at most"),
+     (NOMINAL, {"noise": 0.0}, "noise = 0.0"),
+     (NOMINAL, {"noise": 5}, "noise = 5: allowed is a number above 0 and below 1"),
+     (NOMINAL, {"trials": 0}, "trials = 0"),
+     (Scenario(robot=Robot(magnetization=0.0)), {}, "does not move"),
+     (NOMINAL.with_uncertain({"contact.kinetic_friction": {"mean": 0.15, "sd": 9.0}}), {},
+      "contact.kinetic_friction: an eighth of its stated error")],
+)  # fmt: skip
 def test_what_cannot_be_planned_is_refused(scenario, more, words):
     with pytest.raises(ValueError, match=words):
         plan(scenario, **more)

@@ -15,16 +15,7 @@ from sliding_block import (
     push,
     result,
 )
-from stickslip import (
-    Cause,
-    Parameter,
-    Prior,
-    Series,
-    Table,
-    diagnose_model,
-    instruments,
-    models,
-)
+from stickslip import Cause, Parameter, Prior, Series, Table, diagnose_model, instruments, models
 from stickslip._util.note import Note
 from stickslip.diagnosis.fitting.descent import End, derivatives, finished
 from stickslip.diagnosis.fitting.forms import forms
@@ -340,13 +331,10 @@ def with_laws(posed, asked):
 
 @pytest.mark.parametrize(
     ("extra", "kind", "causes"),
-    [
-        (0.5 * np.tanh(4.0 * (X - 1.7)), "named", ("height over place",)),
-        (0.0, "none", ()),
-        (0.5 * shapes(X)["wave.height"], "named", ("wave",)),
-    ],
-    ids=["a law", "nothing", "a cause"],
-)
+    [(0.5 * np.tanh(4.0 * (X - 1.7)), "named", ("height over place",)),
+     (0.0, "none", ()),
+     (0.5 * shapes(X)["wave.height"], "named", ("wave",))], ids=["a law", "nothing", "a cause"],
+)  # fmt: skip
 def test_laws_are_looked_for_where_no_cause_explains_the_data(extra, kind, causes):
     asked, told = [], []
     posed, law = with_laws(problem(data(extra, sd=0.05), [WAVE]), asked)

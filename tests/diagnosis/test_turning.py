@@ -52,25 +52,16 @@ WAVE = Cause(
 )
 LATE, LATE_READINGS = (instruments.delay(size=2.0, input=name, name="late") for name in ("u", None))
 TURNING = {
-    "a step of the readings": (
-        SQUARE,
-        events.step(1.0, 5.0, 295.0, name="event"),
-        {"event.height": 0.9, "event.time": 217.6},
-    ),
-    "a pulse of the readings": (
-        SQUARE,
-        events.pulse(1.0, 5.0, 295.0, 60.0, name="event"),
-        {"event.height": -0.8, "event.time": 131.4, "event.length": 21.3},
-    ),
-    "a pulse of an input": (
-        SQUARE,
-        events.pulse(1.0, 5.0, 295.0, 60.0, input="u", name="event"),
-        {"event.height": 1.3, "event.time": 203.0, "event.length": 14.0},
-    ),
+    "a step of the readings": (SQUARE, events.step(1.0, 5.0, 295.0, name="event"),
+                               {"event.height": 0.9, "event.time": 217.6}),
+    "a pulse of the readings": (SQUARE, events.pulse(1.0, 5.0, 295.0, 60.0, name="event"),
+                                {"event.height": -0.8, "event.time": 131.4, "event.length": 21.3}),
+    "a pulse of an input": (SQUARE, events.pulse(1.0, 5.0, 295.0, 60.0, input="u", name="event"),
+                            {"event.height": 1.3, "event.time": 203.0, "event.length": 14.0}),
     "a period": (SQUARE, WAVE, {"wave.size": 2.5, "wave.period": 6.3}),
     "a delay of a periodic input": (WAVES, LATE, {"late.time": 14.6, "late.before": 1.0}),
     "a delay of the readings": (WAVES, LATE_READINGS, {"late.time": 14.6}),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("what", TURNING)

@@ -7,19 +7,10 @@ import numpy as np
 from .field import CENTRE_FIELD_PER_AMPERE, RESISTANCE
 
 DRIVE_DEFAULTS = {
-    "mode": "IPP",
-    "frequency": 100.0,
-    "peak": 2.5e-3,
-    "base": 0.0,
-    "hold": 1.0e-3,
-    "clamp": "down",
-    "edge": "rise",
-    "edge_time": 0.0,
-    "direction": "+x",
-    "ramp": 0.05,
-    "pulses": 100,
+    "mode": "IPP", "frequency": 100.0, "peak": 2.5e-3, "base": 0.0, "hold": 1.0e-3, "clamp": "down",
+    "edge": "rise", "edge_time": 0.0, "direction": "+x", "ramp": 0.05, "pulses": 100,
     "ramp_down": 0.0,
-}
+}  # fmt: skip
 
 _CHOICES = {
     "mode": ("IPP", "OPP"),

@@ -80,25 +80,15 @@ def by_optimise(folder, bad):
 
 
 WAYS = {
-    "command": by_command,
-    "log": by_log,
-    "--set": by_set,
-    "--vary": by_vary,
-    "--next": by_next,
+    "command": by_command, "log": by_log, "--set": by_set, "--vary": by_vary, "--next": by_next,
     "optimise": by_optimise,
-}
+}  # fmt: skip
 
 REFUSALS = [
-    (
-        "command",
-        ("run s.toml", {"s.toml": HEAD + "freqency = 3\n"}),
-        ["s.toml: drive.freqency = 3", 'mean "drive.frequency"?'],
-    ),
-    (
-        "command",
-        ("run s.toml", {**PROGRAM, "v.csv": CSV + "2,0,0\n"}),
-        ["s.toml", '"v.csv": row 4'],
-    ),
+    ("command", ("run s.toml", {"s.toml": HEAD + "freqency = 3\n"}),
+     ["s.toml: drive.freqency = 3", 'mean "drive.frequency"?']),
+    ("command", ("run s.toml", {**PROGRAM, "v.csv": CSV + "2,0,0\n"}),
+     ["s.toml", '"v.csv": row 4']),
     ("command", "run no.toml", ["no.toml", "No such file"]),
     ("--set", "drive.frequency", ["drive.frequency", "key=value"]),
     ("--set", "=3", "key=value"),
@@ -144,11 +134,8 @@ REFUSALS = [
     ("command", "keys frequncy", 'did you mean "drive.frequency"?'),
     ("command", "effects surface_tlt", 'did you mean "surface_tilt"?'),
     ("command", "run s.toml --plot a.png --start 9", ["--start", "9.0", "1.05 s"]),
-    (
-        "command",
-        "run s.toml --plot a.png --set drive.ramp=0.123456789 --start 1.12346",
-        ["1.12346", "the run's 1.12345 s"],
-    ),
+    ("command", "run s.toml --plot a.png --set drive.ramp=0.123456789 --start 1.12346",
+     ["1.12346", "the run's 1.12345 s"]),
     ("command", "run s.toml --plot a.png --set drive.pulses=12 --stop 5", "0.17 s"),
     ("command", "run s.toml --plot a.png --start -1", ["--start", "-1"]),
     ("command", "run s.toml --plot a.png --start 0.1 --stop 0.1", ["--start", "--stop"]),
@@ -159,11 +146,8 @@ REFUSALS = [
     ("command", "run s.toml --out missing/a.nc", ["missing/a.nc", "no folder"]),
     ("command", "run s.toml --out .", "is a folder"),
     ("command", "run s.toml --out /dev/null", "not an ordinary file"),
-    (
-        "command",
-        ("diagnose spots.csv", {"spots.csv": "FRAME,POSITION_X\n1,2\n"}),
-        ["spots.csv: is a table of data", "FRAME, POSITION_X", "t, x, theta", "velocity_of_track"],
-    ),
+    ("command", ("diagnose spots.csv", {"spots.csv": "FRAME,POSITION_X\n1,2\n"}),
+     ["spots.csv: is a table of data", "FRAME, POSITION_X", "t, x, theta", "velocity_of_track"]),
     ("command", ("diagnose m.toml --write", MEASURED), ["--write", "table of data"]),
     ("command", "run s.toml --out a.txt", ["--out", ".nc, .nc4, .h5, .csv"]),
     ("command", "run s.toml --plot a.docx", ["--plot", "a.docx", ".png"]),
@@ -187,21 +171,12 @@ REFUSALS = [
     ("command", (f"{SWEEP} --out a.nc", {"a.nc": "other"}), "--resume"),
     ("command", f"{SWEEP} --out a.txt", ".nc, .nc4, .h5, .csv"),
     ("command", "predict s.toml", "--uncertain FILE"),
-    (
-        "command",
-        ("predict s.toml --uncertain u.toml --set contact.adhesion=1e-7", PRIOR),
-        "--set contact.adhesion: has no influence",
-    ),
-    (
-        "command",
-        ("predict s.toml --uncertain u.toml --set surface_tilt.angle=0.02", PRIOR_OF_A_TILT),
-        "--set effects.surface_tilt.angle: has no influence",
-    ),
-    (
-        "command",
-        ("predict s.toml --uncertain u.toml --vary contact.adhesion=1e-7,2e-7", PRIOR),
-        "either varied or uncertain",
-    ),
+    ("command", ("predict s.toml --uncertain u.toml --set contact.adhesion=1e-7", PRIOR),
+     "--set contact.adhesion: has no influence"),
+    ("command", ("predict s.toml --uncertain u.toml --set surface_tilt.angle=0.02",
+                 PRIOR_OF_A_TILT), "--set effects.surface_tilt.angle: has no influence"),
+    ("command", ("predict s.toml --uncertain u.toml --vary contact.adhesion=1e-7,2e-7", PRIOR),
+     "either varied or uncertain"),
     ("command", "predict s.toml --draws 1", "--draws"),
     ("command", "optimise s.toml --free drive.hold=1e-3:2e-3", "--maximise or --minimise"),
     ("command", "optimise s.toml --maximise mean_velocity --out no/best", "there is no folder no"),
@@ -223,11 +198,8 @@ REFUSALS = [
     ("optimise", "--knots 201 --limit voltage_max=26", "from 2 to 200"),
     ("optimise", "--knots 8 --limit voltage_max=26 --coils xp,up", "up"),
     ("optimise", "--free drive.hold=1e-3:2e-3 --uncertain none.toml", "none.toml"),
-    (
-        "command",
-        ("optimise best/s.toml --maximise slip_up", {"best/s.toml": "stickslip = 1\n[drive]\n"}),
-        "is read",
-    ),
+    ("command", ("optimise best/s.toml --maximise slip_up",
+                 {"best/s.toml": "stickslip = 1\n[drive]\n"}), "is read"),
     ("command", ("diagnose m.toml --budget 2", MEASURED), ["--budget", "--next"]),
     ("command", ("diagnose m.toml --out no/found", MEASURED), "there is no folder no"),
     ("command", ("diagnose m.toml --out /proc", MEASURED), ["cannot write", "/proc"]),
@@ -246,11 +218,8 @@ REFUSALS = [
     ("log", {5: "0.3,0.03,"}, ['log.csv: line 5, column torque = "": allowed', "two files"]),
     ("log", {5: "0.3,0.03"}, "line 5 has 2 cells, and the header has 3: allowed is the same, or"),
     ("log", {5: "noon,0.03,1.0"}, 'line 5, column t = "noon": allowed is a finite number'),
-    (
-        "log",
-        {5: "0.15,0.03,1.0"},
-        ["line 5, column t = 0.15 s: allowed is a time after 0.2", "sort"],
-    ),
+    ("log", {5: "0.15,0.03,1.0"}, ["line 5, column t = 0.15 s: allowed is a time after 0.2",
+                                   "sort"]),
     ("log", {5: "0.2,0.03,1.0"}, ["t = 0.2 s: allowed is a time after 0.2 s", "digits"]),
     ("log", {11: "3.1,0.03,1.0"}, ["line 11, column t = 3.1 s", "jumps by 2.3 s", "two files"]),
     ("log", {1: "t,speed (mph),torque"}, ['column "speed (mph)": the unit', "allowed are rad/s"]),
@@ -259,17 +228,10 @@ REFUSALS = [
     ("log", {1: "t,speed,a (N m),b (N m)"}, ['"torque" is missing', 'call one "torque (N m)"']),
     ("log", dict.fromkeys(range(1, 12), ""), "log.csv: is empty"),
     ("log", "--model jont", ["--model jont: allowed is joint", 'did you mean "joint"?']),
-    (
-        "log",
-        "--model joint",
-        ["joint: inertia is missing", "kg m^2", "--set", "init --model joint"],
-    ),
+    ("log", "--model joint", ["joint: inertia is missing", "kg m^2", "--set",
+                              "init --model joint"]),
     ("log", f"{JOINT} --set coulomb=strong", 'joint: coulomb = "strong": allowed is a number'),
-    (
-        "log",
-        f"{JOINT} --set viscous=0,02",
-        ["viscous=0,02", "write 0.02 with a decimal point, or"],
-    ),
+    ("log", f"{JOINT} --set viscous=0,02", ["viscous=0,02", "write 0.02 with a decimal point, or"]),
     ("log", f"{JOINT} --set inertai=1", ["no inertai", 'did you mean "inertia"?']),
     ("log", f"{JOINT} --set reads=position", ['reads = "position"', "speed or angle"]),
     ("log", f"{JOINT} --next 1", "--next: allowed without --model only"),
@@ -284,4 +246,4 @@ REFUSALS = [
     ("log", "--model m.py:steel --set inertia=1", "--set: m.py says what is known"),
     ("log", "--model wrong.py:b", "wrong.py: line 2: ZeroDivisionError"),
     ("command", "init --model jiont", ["--model", "jiont", "joint"]),
-]
+]  # fmt: skip

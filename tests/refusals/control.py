@@ -123,14 +123,9 @@ ROWS = [
     ("seed below 0", lambda _: RobotVectorEnv(2).reset(seed=np.array([1, -1])), "seed = -1"),
     ("seed a fraction", lambda _: RobotVectorEnv(2).reset(seed=1.5), "seed = 1.5"),
     ("seed of one", lambda _: RobotEnv().reset(seed=-1), "seed = -1"),
-    *(
-        (
-            "reset_mask",
-            lambda _, mask=mask: RobotVectorEnv(2).reset(options={"reset_mask": mask}),
-            "2 booleans",
-        )
-        for mask in ([1, 0], np.array([1, 0], np.uint8), [0.0, 1.0], [True], None, [[True, False]])
-    ),
+    *(("reset_mask", lambda _, mask=mask: RobotVectorEnv(2).reset(options={"reset_mask": mask}),
+       "2 booleans") for mask in ([1, 0], np.array([1, 0], np.uint8), [0.0, 1.0], [True], None,
+                                  [[True, False]])),
     ("coils", env(coils=["zp"]), "coils"),
     ("coils a word", env(coils="xp"), 'coils = "xp"'),
     ("coils a number", env(coils=5), "coils = 5"),
@@ -161,5 +156,5 @@ ROWS = [
     ("action masked", act(np.ma.array([0.5, 0.5], mask=[False, True])), "action: row 1 = nan"),
     ("no action", act(None), "allowed is shape (2,)"),
     ("action ragged", act([[0.0], [0.0, 1.0]]), "allowed is shape (2,)"),
-]
+]  # fmt: skip
 REFUSALS = [(name, done, ScenarioError, words) for name, done, words in ROWS]

@@ -94,6 +94,7 @@ TABLES = [
     ("frequency,hold,velocity\n30,0.6,1e-3\n", ["line 2: hold of 0.6 T", "(mT)"]),
     ("frequency,velocity\n0.03,1e-3\n", ["frequency of 0.03 Hz", "(kHz)"]),
     ("velocity,velocity\n1,1\n", "twice"),
+    ("frequency,Velocity\n30,1e-3\n", ['column "velocity" is missing', '"Velocity" may be meant']),
     ("velocity,order\n1e-3,23:50\n1e-3,00:10\n", "in column order are more than 12 h apart"),
     ("velocity,frequency,drive.frequency\n1,30,30\n", '"frequency" is there twice'),
     *(

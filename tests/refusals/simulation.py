@@ -73,17 +73,13 @@ def saved(name):
 
 STATES = {
     "below the surface": (State(z=1e-6), "initial.z"),
-    "stuck corner that moves": (
-        State(theta=0.3, contact="corner_stick", vx=1e-3),
-        "initial.contact",
-    ),
+    "stuck corner that moves": (State(theta=0.3, contact="corner_stick", vx=1e-3),
+                                "initial.contact"),
     "tilted face": (State(theta=0.3, contact="face_stick"), "initial.theta"),
     "contact in the air": (State(z=1e-3, contact="corner_stick"), "initial.z"),
-    "slip the other way": (
-        State(theta=0.3, contact="corner_slip_backward", vx=1e-3),
-        "initial.contact",
-    ),
-}
+    "slip the other way": (State(theta=0.3, contact="corner_slip_backward", vx=1e-3),
+                           "initial.contact"),
+}  # fmt: skip
 BEGUN = [
     (
         f"{how} {name}",
@@ -109,8 +105,7 @@ ROWS_OF_STATES = [
 ]
 
 REFUSALS = [
-    *BEGUN,
-    *ROWS_OF_STATES,
+    *BEGUN, *ROWS_OF_STATES,
     ("coil", stepped({"zp": 1.0}, STEP), ScenarioError, ["zp"]),
     ("voltage", stepped({"xp": math.nan}, STEP), ScenarioError, ["finite"]),
     ("word for a voltage", stepped({"xp": "a"}, STEP), ScenarioError, ["number of V"]),
@@ -126,96 +121,45 @@ REFUSALS = [
     ("across", stepped({"yp": 2.0}, STEP), ScenarioError, ["yp = 2, ym = 0", "whole_plane"]),
     ("scenario of a simulator", lambda _: Simulator(3), ScenarioError, ["Scenario"]),
     ("state of a simulator", lambda _: Simulator(Scenario(), 3), ScenarioError, ["State"]),
-    (
-        "snapshot of another scenario",
-        lambda _: Simulator(Scenario()).restore(snapshot(**{"robot.mass": 3e-8})),
-        ScenarioError,
-        ["another scenario"],
-    ),
+    ("snapshot of another scenario",
+     lambda _: Simulator(Scenario()).restore(snapshot(**{"robot.mass": 3e-8})), ScenarioError,
+     ["another scenario"]),
     ("snapshot", lambda _: Simulator(Scenario()).restore(b""), ScenarioError, ["Snapshot"]),
     ("bytes", lambda _: Snapshot.from_bytes(b"none"), ScenarioError, ["no snapshot"]),
     ("text", lambda _: Snapshot.from_bytes("none"), ScenarioError, ["bytes of a snapshot"]),
-    (
-        "damaged snapshot",
-        lambda _: Snapshot.from_bytes(snapshot().to_bytes()[:-1]),
-        ScenarioError,
-        ["damaged"],
-    ),
+    ("damaged snapshot", lambda _: Snapshot.from_bytes(snapshot().to_bytes()[:-1]), ScenarioError,
+     ["damaged"]),
     ("four coils", rolled(Scenario(), None, ROWS[:, :4], STEP), ScenarioError, ["shape"]),
     ("no duration", rolled(Scenario(), None, ROWS, 0.0), ScenarioError, ["duration"]),
     ("states", rolled(Scenario(), np.zeros((2, 3)), ROWS, STEP), ScenarioError, ["shape"]),
-    (
-        "numbers of runs",
-        rolled([Scenario()] * 2, None, np.zeros((3, 4, 5)), STEP),
-        ScenarioError,
-        ["2 scenarios and 3 voltages", "number of runs"],
-    ),
-    (
-        "column",
-        rolled(Scenario(), None, ROWS, STEP, record=["w"]),
-        ScenarioError,
-        ["record", '"w"'],
-    ),
-    (
-        "out",
-        rolled(Scenario(), None, ROWS, STEP, out=np.zeros(3)),
-        ScenarioError,
-        ["out of shape (3,)"],
-    ),
-    (
-        "voltages of all",
-        rolled([Scenario()] * 3, None, np.full((2, 5), np.nan), STEP),
-        ScenarioError,
-        ["voltages: xp = nan", "finite number"],
-    ),
-    *(
-        (f"until {condition}", until(condition), ScenarioError, ["until", "theta <= -1.5"])
-        for condition in ("x = 3", "w >= 2", "x >= nan", "x >= 3 m", 3)
-    ),
+    ("numbers of runs", rolled([Scenario()] * 2, None, np.zeros((3, 4, 5)), STEP), ScenarioError,
+     ["2 scenarios and 3 voltages", "number of runs"]),
+    ("column", rolled(Scenario(), None, ROWS, STEP, record=["w"]), ScenarioError,
+     ["record", '"w"']),
+    ("out", rolled(Scenario(), None, ROWS, STEP, out=np.zeros(3)), ScenarioError,
+     ["out of shape (3,)"]),
+    ("voltages of all", rolled([Scenario()] * 3, None, np.full((2, 5), np.nan), STEP),
+     ScenarioError, ["voltages: xp = nan", "finite number"]),
+    *((f"until {condition}", until(condition), ScenarioError,
+       ["until", "theta <= -1.5"]) for condition in ("x = 3", "w >= 2", "x >= nan", "x >= 3 m", 3)),
     ("until y", until("y >= 1e-3"), ScenarioError, ["until", "plane y = 0"]),
     ("until heading", until("heading >= 3.2", heading=0.3), ScenarioError, ["from -pi to pi"]),
-    (
-        "a file as scenario",
-        lambda _: simulate("walk.toml"),
-        ScenarioError,
-        'scenario = "walk.toml": allowed is a Scenario, such as',
-    ),
-    (
-        "progress",
-        lambda _: simulate(RECORDED, "progress"),
-        ScenarioError,
-        ['progress = "progress"', "a function of a fraction"],
-    ),
+    ("a file as scenario", lambda _: simulate("walk.toml"), ScenarioError,
+     'scenario = "walk.toml": allowed is a Scenario, such as'),
+    ("progress", lambda _: simulate(RECORDED, "progress"), ScenarioError,
+     ['progress = "progress"', "a function of a fraction"]),
     ("path of a run", lambda _: open_run(3), ScenarioError, "path = 3: allowed is the name"),
-    (
-        "one scenario as batch",
-        lambda _: simulate_batch(RECORDED),
-        ScenarioError,
-        ["scenarios = ", "a list of Scenarios"],
-    ),
+    ("one scenario as batch", lambda _: simulate_batch(RECORDED), ScenarioError,
+     ["scenarios = ", "a list of Scenarios"]),
     ("batch", lambda _: simulate_batch([RECORDED, "s.toml"]), ScenarioError, ["scenario 1"]),
-    *(
-        (f"threads {n}", lambda _, n=n: simulate_batch([RECORDED], n), ValueError, ["threads"])
-        for n in (0, -1, 1.5, True)
-    ),
-    (
-        "record for memory",
-        lambda _: simulate(RECORDED.replace({"record.rate": 1e9})),
-        ScenarioError,
-        ["record.rate = 1000000000.0", "10000000 samples in memory", "--out"],
-    ),
-    (
-        "no record for a file",
-        recorded("run.nc", **{"record.rate": "none"}),
-        ScenarioError,
-        ['record.rate = "none"', "allowed with out"],
-    ),
-    (
-        "suffix before all else",
-        recorded("run.txt", **{"record.rate": "none"}),
-        ValueError,
-        ["run.txt", "names that end in", ".csv"],
-    ),
+    *((f"threads {n}", lambda _, n=n: simulate_batch([RECORDED], n), ValueError,
+       ["threads"]) for n in (0, -1, 1.5, True)),
+    ("record for memory", lambda _: simulate(RECORDED.replace({"record.rate": 1e9})), ScenarioError,
+     ["record.rate = 1000000000.0", "10000000 samples in memory", "--out"]),
+    ("no record for a file", recorded("run.nc", **{"record.rate": "none"}), ScenarioError,
+     ['record.rate = "none"', "allowed with out"]),
+    ("suffix before all else", recorded("run.txt", **{"record.rate": "none"}), ValueError,
+     ["run.txt", "names that end in", ".csv"]),
     ("no folder", recorded("missing/run.nc"), OSError, ["there is no folder"]),
     ("no folder for a table", recorded("missing/run.csv"), OSError, ["there is no folder"]),
     ("suffix to save", saved("run.txt"), ValueError, ["names that end in"]),
@@ -228,19 +172,9 @@ REFUSALS = [
     ),
     ("no run", changed(lambda data: data.drop_attrs()), ScenarioError, ["is no run"]),
     ("no theta", changed(lambda d: d.drop_vars("theta")), ScenarioError, ["it has no theta"]),
-    *(
-        (
-            f"attribute {name}",
-            changed(lambda data, name=name: data.assign_attrs({name: "{"})),
-            ScenarioError,
-            ["run.nc"],
-        )
-        for name in ("scenario", "complete", "events", "final_state")
-    ),
-    (
-        "no status",
-        changed(lambda d: d.assign_attrs({"status": d.attrs.pop("status")}).drop_attrs(deep=False)),
-        ScenarioError,
-        ["is no run"],
-    ),
-]
+    *((f"attribute {name}", changed(lambda data, name=name: data.assign_attrs({name: "{"})),
+       ScenarioError, ["run.nc"]) for name in ("scenario", "complete", "events", "final_state")),
+    ("no status",
+     changed(lambda d: d.assign_attrs({"status": d.attrs.pop("status")}).drop_attrs(deep=False)),
+     ScenarioError, ["is no run"]),
+]  # fmt: skip

@@ -98,12 +98,9 @@ PREDICTED = [
     ("no prior", {"uncertain": 3}, "a section [uncertain]"),
     ("scenario without priors", {"uncertain": Scenario()}, "no uncertain parameter"),
     ("nothing uncertain", {"scenario": BASE}, "state them under [uncertain]"),
-    (
-        "hardly allowed",
-        {"uncertain": {"contact.kinetic_friction": {"mean": 0.9, "sd": 0.01}}},
-        "100 draws",
-    ),
-]
+    ("hardly allowed", {"uncertain": {"contact.kinetic_friction": {"mean": 0.9, "sd": 0.01}}},
+     "100 draws"),
+]  # fmt: skip
 
 ANOTHER = "cannot be resumed: it belongs to another sweep"
 NO_FILE = "cannot be resumed: is no netCDF file"
@@ -113,11 +110,7 @@ RESUMED = [
     ("effect", {"then": (BASE.replace({"surface_tilt.angle": 0.1}), FRICTION)}, ANOTHER),
     ("values", {"then": (BASE, {"contact.static_friction": [0.3, 0.2]})}, ANOTHER),
     ("key", {"then": (BASE, {**FRICTION, "drive.mode": ["IPP"]})}, ANOTHER),
-    (
-        "list",
-        {"then": (BASE, [{"contact.static_friction": each} for each in (0.3, 0.1)])},
-        ANOTHER,
-    ),
+    ("list", {"then": (BASE, [{"contact.static_friction": each} for each in (0.3, 0.1)])}, ANOTHER),
     (
         "order",
         {
@@ -126,15 +119,11 @@ RESUMED = [
         },
         ANOTHER,
     ),
-    (
-        "voltages",
-        {"first": (played(IPP), FRICTION), "then": (played(2 * IPP), FRICTION)},
-        ANOTHER,
-    ),
+    ("voltages", {"first": (played(IPP), FRICTION), "then": (played(2 * IPP), FRICTION)}, ANOTHER),
     ("text", {"damaged": lambda whole: b"a,b\n1,2\n"}, NO_FILE),
     ("empty", {"damaged": lambda whole: b""}, NO_FILE),
     ("cut", {"damaged": lambda whole: whole[: len(whole) // 2]}, NO_FILE),
-]
+]  # fmt: skip
 
 REFUSALS = [
     *((f"sweep: {n}", partial(swept, vary=v), ScenarioError, words) for n, v, words in VARIED),
