@@ -300,7 +300,11 @@ def test_a_drive_beyond_its_limits_is_never_written_without_saying_so(few, tmp_p
     assert load(tmp_path / "best.toml") == found.scenario
     head = (tmp_path / "best.toml").read_text().partition("\n")[0]
     assert head.startswith("# beyond the limits in ")
-    for text in (found.summary(), found.as_dict()["beyond_limits"], head):
+    headline = found.summary().partition("\n")[0]
+    assert headline.startswith("the best does not hold")
+    for name, row in found.table.iterrows():
+        assert (f"{name} ({row['score']:.6g})" in headline) == (row["exceeding"] == 0)
+    for text in (headline, found.as_dict()["beyond_limits"], head):
         assert told in text
 
 
