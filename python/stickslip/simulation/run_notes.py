@@ -35,7 +35,8 @@ def run_notes(
 
 def _of_priors(scenario: Scenario) -> Iterator[Note]:
     """Values that were left where the scenario's own priors hardly have them."""
-    for key, prior in {} if scenario.uncertain is None else scenario.uncertain.priors.items():
+    priors = {} if scenario.uncertain is None else scenario.uncertain.priors
+    for key, prior in priors.items():
         value, middle = float(scenario.get(key)), float(prior.value(0.0))
         if abs(prior.coordinate(value)) > FAR_FROM_A_PRIOR:
             text = (
