@@ -278,12 +278,14 @@ def test_a_prior_whose_middle_no_scenario_has_is_refused():
         (Prior("normal", 0.2, 0.01), 0.2),
         (Prior("log-normal", 9e-17, 2.0), 9e-17),
         (Prior("log-uniform", 1e-6, 1e-4), 1e-5),
+        (Prior("uniform", -1e-6, 3e-6), 1e-6),
     ],
 )
 def test_a_prior_and_its_coordinate_are_inverse(prior, middle):
     assert float(prior.value(0.0)) == pytest.approx(middle, rel=1e-12)
     for z in (-2.0, 0.0, 1.5):
         assert math.isclose(prior.coordinate(float(prior.value(z))), z, abs_tol=1e-9)
-    if prior.kind == "log-uniform":
-        assert 1e-6 <= prior.value(-50.0) < 1.01e-6
-        assert 0.99e-4 < prior.value(50.0) <= 1e-4
+    if not prior.has_middle:
+        near, low, high = 0.01 * abs(prior.first), prior.first, prior.second
+        assert low <= prior.value(-50.0) < low + near
+        assert high - near < prior.value(50.0) <= high

@@ -290,7 +290,7 @@ def test_where_nothing_walks_the_error_names_the_default_limit():
 
 def test_a_drive_beyond_its_limits_is_never_written_without_saying_so(few, tmp_path):
     # At the limit in one draw of the resistance, and so beyond it in some of others.
-    start = START.with_uncertain(RESISTANCE)
+    start = START.replace({"coil.resistance": 12.0}).with_uncertain(RESISTANCE)
     found = optimise(start, maximise="power_mean", free={"drive.hold": (0.5e-3, 2e-3)},
                      limits={"power_mean": 30.0}, draws=1, fresh=20, evaluations=40)  # fmt: skip
     best = found.table.loc["best"]
@@ -300,7 +300,12 @@ def test_a_drive_beyond_its_limits_is_never_written_without_saying_so(few, tmp_p
     assert load(tmp_path / "best.toml") == found.scenario
     head = (tmp_path / "best.toml").read_text().partition("\n")[0]
     assert head.startswith("# beyond the limits in ")
-    for text in (found.summary(), found.as_dict()["beyond_limits"], head):
+    assert found.run.scenario.get("coil.resistance") == 10.0
+    headline = found.summary().partition("\n")[0]
+    assert headline.startswith("the best does not hold")
+    for name, row in found.table.iterrows():
+        assert (f"{name} ({row['score']:.6g})" in headline) == (row["exceeding"] == 0)
+    for text in (headline, found.as_dict()["beyond_limits"], head):
         assert told in text
 
 

@@ -95,7 +95,7 @@ def test_notes_are_of_the_kind_of_drive(mode, code, changes, kinds):
         {"drive.pulses": 4},
         {"solver.rtol": 1e-5},
         {"coil.turns": 510.0, **FIVE},
-        {**FIVE, "coil.turns": 200.0, "coil.yp.turns": 200.0},
+        {**FIVE, "coil.turns": 200.0, "coil.yp.turns": 200.0, "coil.yp.inductance": 0.01},
         {"contact.tangential_restitution": 0.6, "contact.restitution": 0.1},
         # What shakes it is not the field.
         {"drive.base": 2.5e-3, "shake.amplitude_x": 1e-6, "shake.frequency": 100.0},

@@ -28,6 +28,7 @@ PRIORS = {
     "contact.kinetic_friction": Prior("normal", 0.13, 0.005),
     "drag.rotational": Prior("log-normal", 9e-17, 2.0),
     "contact.adhesion": Prior("log-uniform", 1e-8, 1e-6),
+    "effects.surface_tilt.azimuth": Prior("uniform", -1.0, 2.0),
 }
 
 
@@ -87,11 +88,31 @@ def test_tables_and_objects_are_the_same_whatever_their_order():
 def test_a_run_and_a_sweep_take_the_values_of_the_keys():
     given = scenario().replace({"drive.pulses": 4})
     known = given.with_uncertain(None)
-    assert simulate(given).summary() == simulate(known).summary()
+    runs = [simulate(each).summary() | {"notes": []} for each in (given, known)]
+    assert runs[0] == runs[1]
     speeds = [
         sweep(each, {"drive.frequency": [50.0]}).mean_velocity.item() for each in (given, known)
     ]
     assert speeds[0] == speeds[1]
+
+
+@pytest.mark.parametrize(
+    ("prior", "far"),
+    [
+        (Prior("normal", 0.3, 0.03), True),  # of the default, 0.2
+        (Prior("normal", 0.21, 0.01), False),
+        (Prior("log-normal", 0.35, 1.2), True),
+        (Prior("uniform", 0.25, 0.4), True),
+        (Prior("uniform", 0.0, 0.4), False),
+        (Prior("log-uniform", 0.25, 0.4), True),
+    ],
+)
+def test_a_run_notes_a_value_that_was_left_far_from_its_prior(prior, far):
+    given = Scenario(uncertain=JointPrior({"contact.static_friction": prior}))
+    notes = simulate(given.replace({"drive.pulses": 2})).notes
+    found = [note for note in notes if note.code == "prior"]
+    assert [note.value for note in found] == [given.contact.static_friction] * far
+    assert all(f"set it to {float(prior.value(0.0)):g}" in note.text for note in found)
 
 
 def test_a_draw_is_the_same_however_many_there_are():

@@ -83,6 +83,10 @@ def test_a_unit_is_named_where_a_laboratory_has_one():
         ({"coil.distance": 12.0}, "unit-length", "coil.distance", "in cm?"),
         ({"coil.side": 60.0}, "unit-length", "coil.side", "in mm?"),
         ({"coil.inductance": 25.0, "coil.turns": 300.0}, "unit-inductance", "inductance", "in mH?"),
+        ({"coil.inductance": 0.07, "coil.turns": 200.0, "coil.side": 0.08}, "inductance",
+         "coil.inductance = 0.07 H is that of Table I", "some 0.0062 H; state coil.inductance"),
+        ({"coil.inductance": 0.02, "coil.turns": 280.0, "coil.clamp.turns": 700.0}, "inductance",
+         "coil.clamp.inductance = 0.02 H is that of all coils", "some 0.12 H; state coil.clamp"),
         ({"drive.frequency": 0.1}, "unit-time", "drive.frequency = 0.1", "in kHz?"),
         ({"drive.frequency": 0.1, "coil.inductance": 5e-324}, "unit-time", "lasts 10 s", "kHz?"),
         ({"drive.latency": 5.0}, "unit-time", "drive.latency = 5 s", "in ms?"),
@@ -106,11 +110,12 @@ def test_a_value_in_another_unit_gets_one_note(changes, code, key, unit):
         {"robot.length": 5e-3, "robot.width": 2e-3, "robot.height": 1e-3, "robot.mass": 75e-6},
         {"robot.mass": 1e-8},  # of polymer with magnetic powder
         {"robot.length": 1e-3, "robot.width": 20e-6, "robot.height": 20e-6, "robot.mass": 3e-9},
-        {"coil.distance": 0.5, "coil.side": 0.7},
+        {"coil.distance": 0.5, "coil.side": 0.7, "coil.inductance": 0.3},
         {"coil.distance": 0.01, "coil.side": 0.015, "coil.turns": 50.0, "coil.inductance": 40e-6},
         {"initial.theta": 7.123456},  # as a robot that rolled over ends
         {"drive.latency": 0.5},
         {"coil.inductance": 1.0},  # with iron
+        {"coil.turns": 560.0, "coil.clamp.turns": 570.0},
         {"coil.inductance": 1.0, "coil.resistance": 0.2, "drive.frequency": 0.01},  # L/R of 5 s
     ],
 )

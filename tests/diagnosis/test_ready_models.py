@@ -684,6 +684,18 @@ def test_a_model_takes_more_causes_and_less_and_is_kept_with_its_diagnosis():
     assert np.array_equal(again.predict(log), result.predict(log))
 
 
+@pytest.mark.parametrize("smooth", [False, True])
+def test_a_lag_of_readings_is_told_with_the_step_by_which_a_held_input_may_switch_earlier(smooth):
+    heater = models.thermal(capacity=(50.0, 0.5), loss=0.2, smooth=smooth)
+    power = np.where(np.arange(40) < 20, 20.0, 0.0)
+    log = Series(5.0 * np.arange(40), np.linspace(0.0, 30.0, 40), {"power": power}, sd=0.02)
+    slow = next(cause for cause in heater.terms(log)[1] if cause.name == "slow thermometer")
+    assert (slow.told is None) == smooth
+    if not smooth:
+        assert "17.3 ± 0.1 s; up to 5 s more" in slow.told(17.3, "17.3 ± 0.1 s", 5.0)
+        assert slow.told(17.3, "17.3 ± 0.1 s", 0.1).endswith("17.3 ± 0.1 s.")
+
+
 def test_what_is_stated_is_a_constant_and_what_is_not_is_a_cause():
     log = Series(T, np.sin(T), {"torque": np.cos(T)})
     joint = models.joint(inertia=Prior("log-normal", 0.1, 1.3), coulomb=(0.2, 0.1), viscous=0.3,

@@ -97,12 +97,7 @@ def png(figure: Figure | None) -> str:
         return ""
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=110, metadata={"Software": None})
-    return in_base64(buffer.getvalue())
-
-
-def in_base64(content: bytes) -> str:
-    """The content of a file, as a ``data:`` address of a page has it."""
-    return base64.b64encode(content).decode("ascii")
+    return base64.b64encode(buffer.getvalue()).decode("ascii")
 
 
 def html_table(title: str, rows: Sequence[tuple[str, str]]) -> str:

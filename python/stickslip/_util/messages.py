@@ -93,11 +93,9 @@ def misspelt(word: str, known: Iterable[str]) -> str | None:
     Stricter than `nearest`: the word may be none of them.
     """
     whole = next((name for name in known if name.casefold().startswith(word.casefold())), None)
-    near = whole or nearest(word, known)
-    if near is None or whole:
-        return near
+    near = nearest(word, known) or ""
     alike = difflib.SequenceMatcher(None, word.casefold(), near.casefold()).ratio()
-    return near if alike >= _SLIP else None
+    return whole or (near if alike >= _SLIP else None)
 
 
 def suggestion(word: str, known: Iterable[str], listed: Iterable[str] | None = None) -> str:

@@ -68,13 +68,6 @@ def legend_above(
     axes: Axes, handles: Sequence[Artist], columns: int | None = None, title: str = ""
 ) -> None:
     """Above the axes, where it covers no curve; in one row, or in rows of some columns."""
-    axes.legend(
-        handles=list(handles),
-        loc="lower left",
-        bbox_to_anchor=(0.0, 1.0),
-        ncols=columns or len(handles),
-        frameon=False,
-        borderaxespad=0.1,
-        title=title,
-        alignment="left",
-    )
+    axes.legend(handles=list(handles), title=title, ncols=columns or len(handles),
+                loc="lower left", bbox_to_anchor=(0.0, 1.0), alignment="left",
+                frameon=False, borderaxespad=0.1)  # fmt: skip

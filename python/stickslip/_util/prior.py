@@ -18,9 +18,10 @@ from stickslip.errors import ScenarioError
 _EDGE = 5.0
 """Standard deviations at which a range ends. Chosen: 6e-7 of it lie beyond."""
 
-NUMBERS: dict[Literal["normal", "log-normal", "log-uniform"], tuple[str, str]] = {
+NUMBERS: dict[Literal["normal", "log-normal", "uniform", "log-uniform"], tuple[str, str]] = {
     "normal": ("mean", "sd"),
     "log-normal": ("median", "factor"),
+    "uniform": ("min", "max"),
     "log-uniform": ("low", "high"),
 }
 
@@ -31,10 +32,11 @@ class Prior:
 
     Attributes
     ----------
-    kind : {"normal", "log-normal", "log-uniform"}
+    kind : {"normal", "log-normal", "uniform", "log-uniform"}
     first, second : float
         Mean and standard deviation; median and factor (one standard deviation is this factor); low
-        and high end. In the parameter's unit, except the factor; both have to be given.
+        and high end, of both ranges. In the parameter's unit, except the factor; both have to be
+        given.
 
     Raises
     ------
@@ -42,7 +44,7 @@ class Prior:
         If there is no such kind, or a number makes no distribution.
     """
 
-    kind: Literal["normal", "log-normal", "log-uniform"]
+    kind: Literal["normal", "log-normal", "uniform", "log-uniform"]
     first: float = math.nan
     second: float = math.nan
 
@@ -50,17 +52,19 @@ class Prior:
         if not isinstance(self.kind, str) or self.kind not in NUMBERS:
             allowed = f'{", ".join(NUMBERS)}, as in Prior("normal", 0.145, 0.01)'
             raise ScenarioError(f"kind of a prior = {shown(self.kind)}: allowed is {allowed}")
-        one, two = NUMBERS[self.kind]
-        for name, value in ((one, self.first), (two, self.second)):
+        for name, value in self.table.items():
             if not is_number(value) or not math.isfinite(value):
                 raise ScenarioError(f"{name} = {shown(value)}: allowed is a number")
-        text = f"{one} = {self.first}, {two} = {self.second}"
-        if self.kind == "normal" and self.second <= 0.0:
-            raise ScenarioError(f"sd = {self.second}: allowed is a number above 0")
-        if self.kind == "log-normal" and not (self.first > 0.0 and self.second > 1.0):
-            raise ScenarioError(f"{text}: allowed is median > 0 and factor > 1")
-        if self.kind == "log-uniform" and not 0.0 < self.first < self.second:
-            raise ScenarioError(f"{text}: allowed is 0 < low < high")
+        fits, allowed = {
+            "normal": (self.second > 0.0, "sd above 0"),
+            "log-normal": (self.first > 0.0 and self.second > 1.0, "median > 0 and factor > 1"),
+            "uniform": (self.first < self.second, "min < max"),
+            "log-uniform": (0.0 < self.first < self.second, "0 < low < high; one that is uniform, "
+                            'not its logarithm, is { min, max }, or "uniform"'),
+        }[self.kind]  # fmt: skip
+        if not fits:
+            text = ", ".join(f"{name} = {value}" for name, value in self.table.items())
+            raise ScenarioError(f"{text}: allowed is {allowed}")
 
     def __repr__(self) -> str:
         return f"{self.kind}({self.first:g}, {self.second:g})"
@@ -73,28 +77,37 @@ class Prior:
     @property
     def has_middle(self) -> bool:
         """Whether it has a most likely value, and not a range only."""
-        return self.kind != "log-uniform"
+        return not self.kind.endswith("uniform")
+
+    @property
+    def is_of_factors(self) -> bool:
+        """Whether the logarithm is distributed so, and all values are above zero."""
+        return self.kind.startswith("log")
 
     def value(self, z: ArrayLike) -> Array:
         """Parameter at the coordinate `z`, which is standard normal under this prior."""
         z = np.asarray(z, dtype=float)
-        if self.kind == "normal":
-            return np.asarray(self.first + self.second * z)
-        if self.kind == "log-normal":
-            return np.asarray(self.first * np.exp(math.log(self.second) * z))
-        share = _shares(np.clip(z, -_EDGE, _EDGE))
-        return np.asarray(self.first * np.exp(math.log(self.second / self.first) * share))
+        move = self._width * (z if self.has_middle else _shares(np.clip(z, -_EDGE, _EDGE)))
+        return np.asarray(self.first * np.exp(move) if self.is_of_factors else self.first + move)
 
     def coordinate(self, value: float) -> float:
-        """Inverse of `value`."""
-        if self.kind == "normal":
-            return (value - self.first) / self.second
-        if self.kind == "log-normal":
-            return math.log(value / self.first) / math.log(self.second)
-        share = math.log(value / self.first) / math.log(self.second / self.first)
+        """Inverse of `value`; minus infinity of one that has no logarithm."""
+        if self.is_of_factors and value <= 0.0:
+            return -math.inf
+        move = math.log(value / self.first) if self.is_of_factors else value - self.first
+        share = move / self._width
+        if self.has_middle:
+            return share
         if not 0.0 < share < 1.0:
             return math.copysign(_EDGE, share - 0.5)
         return min(max(NormalDist().inv_cdf(share), -_EDGE), _EDGE)
+
+    @property
+    def _width(self) -> float:
+        """One standard deviation, or the whole range, of the value or of its logarithm."""
+        if self.is_of_factors:
+            return math.log(self.second if self.has_middle else self.second / self.first)
+        return self.second if self.has_middle else self.second - self.first
 
 
 def _shares(z: Array) -> Array:

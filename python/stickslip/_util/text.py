@@ -12,10 +12,7 @@ from typing import Any, TypeGuard
 
 
 def printable(text: object) -> str:
-    """The text with escapes for invisible characters: controls, line ends, directions.
-
-    A second time it changes nothing.
-    """
+    """The text with escapes for invisible characters: controls, line ends, directions."""
     text = str(text)
     if text.isprintable():
         return text
@@ -77,8 +74,9 @@ def number(cell: str, below: float = math.inf) -> float:
 
 def comma_hint(cell: str) -> str:
     """Advice about a comma in a cell that is no number; "" for a cell without one."""
-    hint = "; write numbers with a decimal point and without separators of thousands"
-    return hint if "," in cell else ""
+    return "; write numbers with a decimal point and without separators of thousands" * (
+        "," in cell
+    )
 
 
 def highest(limit: float) -> str:

@@ -11,6 +11,8 @@ import click
 from stickslip.cli import options, output
 from stickslip.cli.loading import load_with
 from stickslip.design.coil_facts import UNITS, CoilFacts, coil_facts, dimension_changes
+from stickslip.simulation.note import shown_lines
+from stickslip.simulation.scenario_notes import scenario_notes
 
 _SHOWN = {
     "field": ("field at the centre", 1e3, "mT/A"),
@@ -59,6 +61,8 @@ def command(
         output.print_json({"units": UNITS, "coils": rows})
     else:
         _print(facts, changes)
+        for line in shown_lines(note for note in scenario_notes(loaded) if "coil" in note.text):
+            click.echo(f"note: {line}")
     return 0 if output.drawn("--plot", plot, output.save_plot("coil_lines", loaded)) else 1
 
 

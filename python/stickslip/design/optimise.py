@@ -159,6 +159,15 @@ def _holds_mass(scenario: Scenario, free: Mapping[str, Any]) -> bool:
     return scenario.inner.mass > 0.0 or "inner.mass" in {*Changes(free), *uncertain}
 
 
+def _at_middle(scenario: Scenario) -> Scenario:
+    """With uncertain keys at the middle of their priors, where a scenario has all of these."""
+    priors = {} if scenario.uncertain is None else scenario.uncertain.priors
+    try:
+        return scenario.replace({key: float(prior.value(0.0)) for key, prior in priors.items()})
+    except ScenarioError:
+        return scenario
+
+
 def _drawn(scenario: Scenario, count: int, seeds: list[int]) -> list[Scenario]:
     """Scenarios without a record; one alone where nothing is uncertain."""
     quiet = scenario.without_record()
@@ -294,7 +303,7 @@ class _Design:
         return Optimum(
             scenario=scenario,
             start=self._space.start,
-            run=simulate(scenario.without_record().replace(asked)),
+            run=simulate(_at_middle(scenario.without_record().replace(asked))),
             table=table,
             fresh=pd.DataFrame({name: scores[:, 0] for name, scores in fresh.items()}),
             search=self.best.drop(["values", "sawtooth"], errors="ignore"),

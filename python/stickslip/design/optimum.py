@@ -174,14 +174,17 @@ class Optimum(OneLine):
             most = DRAGGED["pull_share"]
             shares = rows["pull_share"].astype(float)
             shown["pull_share"] = [f"{s:.3g}" + ", dragged" * (s > most) for s in shares]
+        held = rows[1:].query("exceeding == 0")["score"].items()
+        holds = ", ".join(f"{name} ({score:.6g})" for name, score in held) or "none of these"
         lines = [
+            *[f"the best does not hold: it is {self.beyond}. Within them in all: {holds}"]
+            * (self.beyond != ""),
             f"{'largest' if goal.sign > 0.0 else 'least'} {goal.figure} found, {goal.unit}; the "
             f"score is the {goal.score} of the draws:",
             *shown.to_string(float_format="{:.6g}".format).splitlines(),
             *["no sawtooth to compare with"] * (self.sawtooth is None),
             *["the best sawtooth is better than the search"] * (self.origin == "sawtooth"),
             *[f"better neighbours that were taken: {self.moves}"] * (self.moves > 0),
-            *[self.beyond] * (self.beyond != ""),
             *[
                 f"the other way a drive that was tried within the limits is faster, mean "
                 f"{self.other_way:.6g} {goal.unit}: for the best of these, state drive.direction, "

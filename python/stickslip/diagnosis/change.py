@@ -242,8 +242,8 @@ def _free(constant: Parameter, value: float | None) -> Parameter:
     prior = constant.prior
     assert prior is not None
     if value is not None:
-        known = replace(prior, first=value) if prior.has_middle else None
-        prior = known or Prior("log-normal", value, _FACTOR)
+        known = replace(prior, first=value) if prior.has_middle else prior
+        prior = Prior("log-normal", value, _FACTOR) if prior.kind == "log-uniform" else known
     elif prior.has_middle:
         wider = _RELAXED * prior.second if prior.kind == "normal" else prior.second**_RELAXED
         prior = replace(prior, second=wider)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -40,6 +40,7 @@ _LEAST = 1e-3  # of its middle: a constant above zero; chosen, a wrong unit
 _NEAR_READINGS, _FAR = 10.0, 100.0
 """Up to so far from all readings, K, a temperature is likely, and beyond so far it is not. Chosen:
 wide, as what is refused has to be written otherwise."""
+_COARSE_STEP = 0.02  # of a lag, beyond which a step of the log is told beside it; chosen
 _ABOVE, _BELOW = 1.2, 0.1  # where limits act: of the largest input; chosen, as for `clipping`
 
 
@@ -129,13 +130,22 @@ class Sensor:
     input: str | None = None
     has_unit: bool = False
 
-    def cause(self, scales: Mapping[str, float], unit: str) -> Cause:
-        """As a cause of its usual size."""
+    def cause(self, scales: Mapping[str, float], unit: str, held: bool) -> Cause:
+        """As a cause of its usual size, where inputs are held between readings or not."""
         size = Term("", "", "", self.size, self.of).usual(scales)
         if self.of == "time":
             size = max(size, scales["step"])
         more = {} if self.input is None else {"input": self.input}
-        return self.makes(*([unit] if self.has_unit else []), size=size, name=self.name, **more)
+        made = self.makes(*([unit] if self.has_unit else []), size=size, name=self.name, **more)
+        is_slow = held and self.makes is instruments.lag and self.input is None
+        return replace(made, told=_slow_in_words) if is_slow else made
+
+
+def _slow_in_words(time: float, amount: str, step: float) -> str:
+    """A sentence on slow readings: a held input acts from the reading after its switch on."""
+    text = f"A lag of the readings: time = {amount}"
+    more = f"; up to {step:.3g} s more, a step, where an input switched between two readings"
+    return f"{text}{more if step > _COARSE_STEP * time else ''}."
 
 
 @dataclass(frozen=True)
@@ -324,7 +334,8 @@ class Model(OneLine):
         )
         free = len(kind.states) > 1 and kind.reads[self.reads][1] == 0
         undone = free and not placed and first not in self.known
-        causes += [sensor.cause(scales, self.unit) for sensor in kind.sensors
+        held = bool(acting) and not self.smooth
+        causes += [sensor.cause(scales, self.unit, held) for sensor in kind.sensors
                    if (sensor.input is None or sensor.input in acting)
                    and not (undone and sensor.makes is instruments.offset)]  # fmt: skip
         for name in self.without:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import math
 import tempfile
 from collections.abc import Callable
@@ -27,7 +28,6 @@ from PIL import Image
 
 from stickslip._util import palette
 from stickslip._util.files import check_suffix, replacing
-from stickslip._util.html import in_base64
 from stickslip._util.messages import check_above_zero
 from stickslip._util.picture import RC, Picture
 from stickslip.plot import style
@@ -190,7 +190,7 @@ class Animation:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, "shown.webp")
             self.save(path)
-            content = in_base64(path.read_bytes())
+            content = base64.b64encode(path.read_bytes()).decode("ascii")
         return f'<img alt="Moving picture of the robot" src="data:image/webp;base64,{content}">'
 
     def frame(self, number: int) -> Figure:

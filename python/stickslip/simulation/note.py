@@ -25,7 +25,7 @@ CODES = (
     "field-change", "velocity-grows", "turning", "start-up", "window-short", "pulses-short",
     "fluid", "inner",
     # Other values that are probably mistakes.
-    "hidden-key", "capacitor",
+    "hidden-key", "prior", "inductance", "capacitor",
     "voltage", "density", "moment", "steep-surface", "adhesion", "tangential-restitution",
     "tolerance",
     # Facts, without a fault.

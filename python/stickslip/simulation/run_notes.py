@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from stickslip import _core
@@ -19,6 +19,9 @@ MUCH_OF_FLUID = 0.1
 """Parts of the drag above which what the model leaves out of a fluid is noted. Chosen: drag of the
 volume-equal sphere is no better for a block."""
 
+FAR_FROM_A_PRIOR = 2.5
+"""Standard deviations from which on a value is far from its prior. Chosen: one draw in 80 is."""
+
 
 def run_notes(
     scenario: Scenario, status: str, summary: Mapping[str, Any], condition_met: bool
@@ -27,7 +30,20 @@ def run_notes(
     core = scenario.to_core()
     rows = _core.run_notes(core, summary, status == "ok", condition_met)
     notes = with_those_of_files(scenario, core, rows)
-    return by_seriousness([*notes, *_of_fluid(scenario, summary)])
+    return by_seriousness([*notes, *_of_fluid(scenario, summary), *_of_priors(scenario)])
+
+
+def _of_priors(scenario: Scenario) -> Iterator[Note]:
+    """Values that were left where the scenario's own priors hardly have them."""
+    priors = {} if scenario.uncertain is None else scenario.uncertain.priors
+    for key, prior in priors.items():
+        value, middle = float(scenario.get(key)), float(prior.value(0.0))
+        if abs(prior.coordinate(value)) > FAR_FROM_A_PRIOR:
+            text = (
+                f"{key} = {value:g} is far from its prior {prior}, and this run has that value; "
+                f"predictions draw: for a run at the middle set it to {middle:g}"
+            )
+            yield Note("prior", text, value)
 
 
 def _of_fluid(scenario: Scenario, summary: Mapping[str, Any]) -> list[Note]:

@@ -1,9 +1,9 @@
-"""Values of a scenario that are hardly in SI units, and the unit that they may be in."""
+"""Values of a scenario that are hardly in SI units, or that did not follow others."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +12,7 @@ from stickslip import _core
 from stickslip._util.arrays import Array
 from stickslip._util.note import Note
 from stickslip._util.units import NEAR, unit_meant
-from stickslip.scenario.keys import known_keys
+from stickslip.scenario.keys import COIL_NAMES, known_keys
 
 if TYPE_CHECKING:
     from stickslip.field.field_map import FieldMap
@@ -38,6 +38,10 @@ _LONG_LATENCY = 1.0
 _TIMES_TABLE_I = 10.0
 """Ratio to the size of Table I's coils below which those of a laboratory lie, 1 m: ten times more
 is in cm, and what is nearer to 1000 times more in mm."""
+
+_OTHER_WINDING = 1.3
+"""Ratio of turns^2 side from which on an inductance that did not follow is noted. Chosen: as much
+as the shape of a winding changes it."""
 
 _LONG = 30.0
 """Ratio of a length of the body to its shortest beyond which it alone is in another unit. Chosen:
@@ -217,15 +221,16 @@ def _shortest_tooth(times: Array, volts: Array) -> float:
 
 
 def _of_coils(scenario: Scenario) -> list[Note]:
-    # Coils without iron have a third to three times this inductance.
-    likely = _times_default(scenario, "coil.turns") ** 2 * _times_default(scenario, "coil.side")
     cases = [
         ("coil.side", 1.0, _TIMES_TABLE_I, "m", "unit-length", "that of Table I"),
         ("coil.distance", 1.0, _TIMES_TABLE_I, "m", "unit-length", "that of Table I"),
     ]
+    left = []
     if scenario.coil.map is None:  # beside which turns and side are not stated
-        what = "what coil.turns and coil.side make likely"
-        cases.append(("coil.inductance", likely, NEAR, "H", "unit-inductance", what))
+        left = _of_windings(scenario)
+        likely, what = _winding(scenario, DEFAULTS), "what coil.turns and coil.side make likely"
+        if not left:
+            cases.append(("coil.inductance", likely, NEAR, "H", "unit-inductance", what))
     notes = []
     for key, usual, within, unit, code, what in cases:
         ratio = _times_default(scenario, key) / usual
@@ -234,7 +239,39 @@ def _of_coils(scenario: Scenario) -> list[Note]:
             value = float(scenario.get(key))
             text = f"{key} = {value:g} {unit} is {ratio:.3g} times {what}: {_question(meant)}"
             notes.append(Note(code, text, value))
-    return notes
+    return notes or left  # a side in another unit makes another winding
+
+
+def _of_windings(scenario: Scenario) -> list[Note]:
+    """Whether an inductance stayed where the turns or the side of its coil did not."""
+    shared = {key: float(scenario.get(key)) for key in DEFAULTS if key.startswith("coil.")}
+    for coil in (f"coil.{name}" for name in COIL_NAMES):
+        henry = float(scenario.get(f"{coil}.inductance"))
+        tabled = henry == DEFAULTS["coil.inductance"]
+        usual, whose = (DEFAULTS, "Table I") if tabled else (shared, "all coils")
+        ratio = _winding(scenario, usual, coil)
+        off = abs(math.log(ratio)) > math.log(_OTHER_WINDING)
+        if henry == usual["coil.inductance"] and off:
+            at = "coil" if _winding(scenario, shared, coil) == 1.0 else coil
+            text = (
+                f"{at}.inductance = {henry:g} H is that of {whose}, and the winding is not: its "
+                f"turns and side make some {henry * ratio:.2g} H; state {at}.inductance"
+            )
+            if scenario.get(f"{coil}.resistance") == usual["coil.resistance"]:
+                text += f", and {at}.resistance"
+            return [Note("inductance", text, henry)]
+    return []
+
+
+def _winding(scenario: Scenario, usual: Mapping[str, float], coil: str = "coil") -> float:
+    """What an inductance grows with, turns^2 side, over the usual one.
+
+    Coils without iron have a third to three times of it, by the shape of the winding.
+    """
+    turns, side = (
+        float(scenario.get(f"{coil}.{name}")) / usual[f"coil.{name}"] for name in ("turns", "side")
+    )
+    return turns**2 * side
 
 
 def _times_default(scenario: Scenario, *keys: str) -> float:

@@ -16,7 +16,7 @@ from stickslip.errors import ScenarioError
 
 _FARTHEST = 3.5
 """Largest coordinate of a range or a shape, whose ends it has nearly reached there. Chosen: a
-log-uniform range to within 0.05 % of its ends."""
+range to within 0.05 % of its ends."""
 
 LARGEST_ERROR = 30.0
 """Largest error of an instrument, or height of an event, that is searched, in usual sizes. Chosen:
@@ -172,8 +172,6 @@ class Parameter:
         if self.size is not None:
             return math.asinh((value - self.absent) * math.sinh(1.0) / self.size)
         assert self.prior is not None
-        if self.prior.kind != "normal" and value <= 0.0:
-            return -math.inf
         return self.prior.coordinate(value)
 
     @property

@@ -212,7 +212,7 @@ class Words:
             middle = self.limit(name, prior.first, unit, 4)
             return f"log-normal, {middle} to a factor of {prior.second:.3g}"
         low, high = (self.limit(name, end, unit) for end in (prior.first, prior.second))
-        return f"log-uniform, {low} to {high}"
+        return f"{prior.kind}, {low} to {high}"
 
     def size(self, name: str, value: float, sd: float, unit: str) -> str:
         """A parameter with its error, in the unit in which it is told."""
