@@ -74,9 +74,8 @@ def number(cell: str, below: float = math.inf) -> float:
 
 def comma_hint(cell: str) -> str:
     """Advice about a comma in a cell that is no number; "" for a cell without one."""
-    return "; write numbers with a decimal point and without separators of thousands" * (
-        "," in cell
-    )
+    hint = "; write numbers with a decimal point and without separators of thousands"
+    return hint if "," in cell else ""
 
 
 def highest(limit: float) -> str:
