@@ -145,6 +145,21 @@ def test_points_that_fail_are_in_no_note():
     assert "field-change" not in {note.code for note in notes_of(points, columns, "points")}
 
 
+def test_mean_velocities_alone_have_the_bits_of_a_sweep():
+    changes = [
+        {}, {"effects.sample_hold.period": 2e-4}, {"effects.free_field_time.knot_3": 0.2},
+        {"effects.mutual_inductance.coupling": 0.1}, {"drive.latency": 2e-3, "drive.ramp": 1e-2},
+        {"contact.static_friction": 0.1}, {"solver.max_steps": 100},
+    ]  # fmt: skip
+    points = from_changes(BASE, changes)
+    asked = points.scenario.to_core(), points.keys, points.rows(np.arange(len(changes)))
+    columns, _ = _core.sweep(*asked)
+    ended = columns["status"] == 0
+    assert ended.tolist() == [True] * 5 + [False] * 2
+    expected = np.where(ended, columns["mean_velocity"], np.nan)
+    assert np.array_equal(_core.mean_velocities(*asked), expected, equal_nan=True)
+
+
 def test_progress_ends_with_everything_done():
     told = []
     sweep(BASE, {"drive.frequency": [30.0, 100.0]}, progress=lambda *each: told.append(each))

@@ -118,19 +118,32 @@ py::array_t<T> column(const std::vector<SweepPoint>& points, Get&& get) {
     return result;
 }
 
-/// Columns by name, and messages by the index of a point that did not end well.
-py::tuple sweep_columns(
-    const Scenario& base, const std::vector<std::string>& keys,
-    const py::array_t<double, py::array::c_style | py::array::forcecast>& values, int threads,
-    const py::object& progress) {
+using Values = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+std::vector<SweepPoint> points_of(const Scenario& base, const std::vector<std::string>& keys,
+                                  const Values& values, int threads, const py::object& progress,
+                                  bool motion_only) {
     const std::vector<double> flat(values.data(), values.data() + values.size());
     RunControl control;
-    const auto poll = [&] { report(control, progress); };
-    std::vector<SweepPoint> points;
-    {
-        const py::gil_scoped_release release;
-        points = sweep(base, keys, flat, threads, control, poll);
-    }
+    control.motion_only = motion_only;
+    const py::gil_scoped_release release;
+    return sweep(base, keys, flat, threads, control, [&] { report(control, progress); });
+}
+
+/// m/s, of a sweep's points; not a number where a run did not end well.
+py::array_t<double> mean_velocities(const Scenario& base, const std::vector<std::string>& keys,
+                                    const Values& values, int threads) {
+    const auto points = points_of(base, keys, values, threads, py::none(), true);
+    return column<double>(points, [](const SweepPoint& p) {
+        const bool ended = !p.refused && p.status == Status::ok;
+        return ended ? p.summary.mean_velocity : Summary::kNone;
+    });
+}
+
+/// Columns by name, and messages by the index of a point that did not end well.
+py::tuple sweep_columns(const Scenario& base, const std::vector<std::string>& keys,
+                        const Values& values, int threads, const py::object& progress) {
+    const auto points = points_of(base, keys, values, threads, progress, false);
     py::dict columns;
     columns["status"] = column<std::int8_t>(
         points, [](const SweepPoint& p) { return p.refused ? -1 : static_cast<int>(p.status); });
@@ -176,6 +189,8 @@ void register_simulation(py::module_& module) {
                py::arg("progress") = py::none(), py::arg("until") = py::none());
     module.def("sweep", &sweep_columns, py::arg("base"), py::arg("keys"), py::arg("values"),
                py::arg("threads") = 1, py::arg("progress") = py::none());
+    module.def("mean_velocities", &mean_velocities, py::arg("base"), py::arg("keys"),
+               py::arg("values"), py::arg("threads") = 1);
     py::dict statuses;
     for (const StatusRow& row : kStatuses) {
         statuses[py::str(row.name)] = py::make_tuple(row.message, row.remedy);

@@ -88,6 +88,9 @@ def sweep(
     threads: int = 1,
     progress: Callable[[float], object] | None = None,
 ) -> tuple[dict[str, NDArray[generic]], dict[int, str]]: ...
+def mean_velocities(
+    base: Scenario, keys: Sequence[str], values: NDArray[float64], threads: int = 1
+) -> NDArray[float64]: ...
 def static_tilts(
     base: Scenario,
     keys: Sequence[str],

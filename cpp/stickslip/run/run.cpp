@@ -21,7 +21,7 @@ std::vector<double> marks(const Scenario& scenario, const std::optional<StopCond
 
 Run::Run(const Scenario& scenario, RunControl* control, std::optional<StopCondition> stop)
     : player_(scenario, marks(scenario, stop), control ? &control->stop : nullptr),
-      window_observer_(scenario, player_),
+      window_observer_(scenario, player_, !(control && control->motion_only)),
       recorder_(scenario.record, player_.sign(), player_.in_whole_plane(),
                 !player_.model().inner.absent()),
       tsit5_(player_.options()),

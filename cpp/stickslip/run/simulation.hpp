@@ -41,6 +41,8 @@ std::string message(const RunResult& result);
 struct RunControl {
     std::atomic<bool> stop = false;
     std::atomic<double> simulated_time = 0.0;  ///< s, done so far by all runs together
+    /// Summaries say nothing of coils and field, which is a tenth of the work.
+    bool motion_only = false;
 
     /// Adds the time of a run, s. libc++ has no fetch_add of a double before 18.
     void add_time(double duration) {

@@ -31,7 +31,7 @@ void WindowObserver::watch_window(double time) {
 void WindowObserver::close_window(double time) {
     observer_.close(time, player_.in_ground(player_.body(), time), player_.sign(), of_window_);
     const double span = time - observer_.start();
-    drive_.close(span, of_window_);
+    if (sees_drive_) drive_.close(span, of_window_);
     if (!(span > 0.0)) return;
     const double radius = player_.model().shape.radius();
     of_window_.turning_speed = (player_.turned() - turned_before_) * radius / span;
@@ -49,6 +49,7 @@ void WindowObserver::close_window(double time) {
 // The field is looked at within the steps, at the robot's place: in the course of a segment it
 // moves through a gradient.
 void WindowObserver::plan_looks() {
+    if (!sees_drive_) return;
     looks_.clear();
     const bool in_window = observer_.is_open();
     // The field goes on from the last segment, but for the first of the run or of the window.
@@ -111,7 +112,7 @@ void WindowObserver::end_look() {
 }
 
 void WindowObserver::end_segment(double duration) {
-    if (!player_.is_open() || !(duration > 0.0)) return;
+    if (!sees_drive_ || !player_.is_open() || !(duration > 0.0)) return;
     if (duration < player_.segment().duration) {  // the run has ended within it
         VoltageSegment voltages = player_.voltages();
         voltages.last = voltage_at(voltages, voltages.start + duration);
@@ -137,6 +138,7 @@ void WindowObserver::write(Summary& summary) const {
     summary = of_window_;
     summary.simulated_time = time;
     summary.events = player_.counts();
+    if (!sees_drive_) return;
     drive_.write(summary);
     if (!player_.has_begun()) return;
     const Model& model = player_.model();

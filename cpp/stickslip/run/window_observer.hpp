@@ -19,12 +19,14 @@ class WindowObserver {
 public:
     using BodyAt = FunctionRef<BodyState(double tau)>;
 
-    /// The player has to outlive this.
-    WindowObserver(const Scenario& scenario, const Player& player)
+    /// The player has to outlive this. Without `sees_drive` the summary says nothing of coils and
+    /// field.
+    WindowObserver(const Scenario& scenario, const Player& player, bool sees_drive)
         : player_(player),
           window_(measuring_window(scenario)),
           observer_(pulse_period(scenario)),
           drive_(player.circuit()),
+          sees_drive_(sees_drive),
           asks_pull_(scenario.record.pull_share) {}
 
     /// Opens or closes the window where a segment begins or the run ends, at `time` s. Boundaries
@@ -72,6 +74,7 @@ private:
     const Window window_;
     SummaryObserver observer_;
     DriveObserver drive_;
+    const bool sees_drive_;
     bool has_opened_ = false;
     // Where the field may turn in what is left of the segment, the next such time last.
     struct FieldLook {

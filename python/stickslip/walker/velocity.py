@@ -156,9 +156,9 @@ class VelocityTable(SimulatedTable):
         )
         vectors, count = len(values), len(conditions)
         rows = np.hstack([np.tile(settings, (vectors, 1)), np.repeat(values, count, axis=0)])
-        columns, _ = _core.sweep(self.scenario.to_core(), [*keys, *names], rows, self.threads)
-        velocity = np.where(columns["status"] == 0, columns["mean_velocity"], np.nan)
-        return np.asarray(velocity.reshape(vectors, count), dtype=float)
+        base = self.scenario.to_core()
+        made = _core.mean_velocities(base, [*keys, *names], rows, self.threads)
+        return made.reshape(vectors, count)
 
     def at_drives(self, drives: Conditions) -> Self:
         """A table of other drives, to be predicted; it has no readings."""
