@@ -115,6 +115,7 @@ def test_the_command_tells_them(tmp_path):
     text = stickslip("coils", tmp_path / "s.toml", *more, "--plot", picture).stdout
     assert text.startswith("xp xm yp ym\n")
     assert "\nclamp\n" in text
+    assert "\nnote: coil.clamp.inductance = 0.07 H" in text
     assert picture.stat().st_size > 10_000
     told = json.loads(stickslip("coils", tmp_path / "s.toml", *more, "--json").stdout)["coils"]
     expected = coil_facts(Scenario().replace(OWN), 24.0, 2.0)
