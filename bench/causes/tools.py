@@ -16,11 +16,10 @@ from scores import until
 from stale import digest
 
 from causes.make import FOLDER
-from stickslip import Diagnosis, diagnose, diagnose_model, models, read_measurement
+from stickslip import Diagnosis, diagnose_model, models
 from stickslip._util.toml import parse_toml
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.model import posed
-from stickslip.walker.problem import posed_by
 
 SIGNIFICANT = 0.05  # of the stepwise test, as is usual
 UNSEEN = 1e-3  # of the usual size of a cause: none
@@ -56,6 +55,9 @@ def _of_a_model(folder: Path, told: dict[str, Any]) -> Asked:
 
 
 def _walker(folder: Path, told: dict[str, Any]) -> Asked:
+    from stickslip import diagnose, read_measurement
+    from stickslip.walker.problem import posed_by
+
     measured = read_measurement(folder / "measurement.toml")
     effects = {each.name: each for each in posed_by(measured).causes}
     # What the scenario has is no cause: it is there, too small to be seen.

@@ -420,8 +420,15 @@ def test_a_search_of_a_long_record_begins_with_its_first_readings(monkeypatch):
     assert short == [2000, count]
     found = diagnose_model(line, log, [slope], causes)
     monkeypatch.setattr("stickslip.diagnosis.model._FIRST", count)
+    for where in ("fitting.problem", "fitting.models", "fitting.forms", "decision.misfit_test"):
+        monkeypatch.setattr(f"stickslip.diagnosis.{where}.MANY", 2 * count)  # as of few readings
     whole = diagnose_model(line, log, [slope], causes)
     assert found.verdict.causes == whole.verdict.causes == ("bend",)
     for names in ((), ("bend",), ("on",)):
         costs = [one.findings.models.get(names).cost for one in (found, whole)]
         assert costs[0] == pytest.approx(costs[1], abs=0.02)
+    for key in (([], "ar1"), (["bend"], "exact"), (["bend"], "ar1"), (["on"], "white")):
+        evidence = [one.findings.models.get(*key).log_evidence for one in (found, whole)]
+        assert evidence[0] == pytest.approx(evidence[1], abs=0.1)
+    tests = [(one.findings.test.score, one.findings.test.lack_of_fit) for one in (found, whole)]
+    assert tests[0] == pytest.approx(tests[1], abs=0.02)

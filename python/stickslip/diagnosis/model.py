@@ -41,11 +41,9 @@ need."""
 _ARRAYS = "p holds arrays of shape (vectors, 1): allowed is a model that returns (vectors, rows)"
 _MEANT = {
     "read-only": 'it writes into its table or into p: allowed are copies, as table["x"].copy()',
-    "truth value of an array": _ARRAYS,
-    "only length-1 arrays": _ARRAYS,
-    "only 0-dimensional arrays": _ARRAYS,
-    "must be real number, not": _ARRAYS,
-}
+    **dict.fromkeys(("truth value of an array", "only length-1 arrays",
+                     "only 0-dimensional arrays", "must be real number, not"), _ARRAYS),
+}  # fmt: skip
 """Meanings of errors of NumPy in a user's model, by a part of their text."""
 
 _AT_ONCE = 1 << 19  # numbers of a block of predictions: 4 MiB; chosen

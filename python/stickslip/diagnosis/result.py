@@ -6,17 +6,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip._util.html import ShownBySummary, page_text
 from stickslip._util.messages import refuse
 from stickslip._util.text import printable
 from stickslip.diagnosis.decision.facts import Facts
-from stickslip.diagnosis.report.files import save
 from stickslip.diagnosis.report.numbers import numbers_of, summary_text
-from stickslip.diagnosis.report.pictures import Plots
 from stickslip.diagnosis.terms import amounts
 from stickslip.diagnosis.terms.words import Words
+
+if TYPE_CHECKING:
+    from stickslip.diagnosis.report.pictures import Plots
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -56,6 +57,8 @@ class Diagnosis(Facts, ShownBySummary):
     @property
     def plot(self) -> Plots:
         """Pictures: `fit`, `residuals` and `law`, each a matplotlib figure."""
+        from stickslip.diagnosis.report.pictures import Plots  # matplotlib, only where it draws
+
         return Plots(self)
 
     def as_dict(self) -> dict[str, Any]:
@@ -78,6 +81,8 @@ class Diagnosis(Facts, ShownBySummary):
         """
         if not isinstance(folder, str | PathLike):
             refuse("folder", folder, "a path")
+        from stickslip.diagnosis.report.files import save
+
         save(self, folder, title)
 
     def save_figures(

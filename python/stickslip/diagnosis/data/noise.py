@@ -32,14 +32,8 @@ from stickslip._util.arrays import Array, Indices
 Draws = dict[str, Array]
 """Hyperparameters by name, each of shape (draws,)."""
 
-_PRIORS = {
-    "s0": (-0.7, 1.5),
-    "rho": (-2.0, 1.5),
-    "phi": (-1.0, 1.2),
-    "shift": (-1.0, 1.0),
-    "gain": (-1.0, 1.0),
-    "period": (-2.5, 2.0),
-}
+_PRIORS = {"s0": (-0.7, 1.5), "rho": (-2.0, 1.5), "phi": (-1.0, 1.2), "shift": (-1.0, 1.0),
+           "gain": (-1.0, 1.0), "period": (-2.5, 2.0)}  # fmt: skip
 """Mean and standard deviation of each coordinate: the logarithms of s0 and of rho at the usual
 level over the pooled scatter, the probit of phi, the logarithms of the sizes of shifts and gains in
 errors of a reading, and that of what periods share in errors of a period's mean. Chosen:

@@ -24,12 +24,8 @@ _RECORD, _SINGLE, _SPANS, _WILD = 20, 3, 3.0, 1e6
 """Fewest readings of a record, most that are left out of it, and how many spans of all others they
 lie beyond these: single ones, and neighbours of one value. Chosen: no motion does the first for one
 reading, nor the second at all; what meters write for none does."""
-_ENDS = {
-    end
-    for bits in (16, 32)
-    for half in (2.0 ** (bits - 1),)
-    for end in (-half, 1.0 - half, half - 1.0, 2.0 * half - 1.0)
-}
+_ENDS = {end for bits in (16, 32) for half in (2.0 ** (bits - 1),)
+         for end in (-half, 1.0 - half, half - 1.0, 2.0 * half - 1.0)}  # fmt: skip
 _ENORMOUS, _MARK_SPANS = 1e20, 20.0
 """Marks of meters for no value besides nines: ends of whole numbers, and larger than any size, as
 NumPy's 1e20; and spans of all others beyond which they are no value. Chosen: settings that are

@@ -140,19 +140,13 @@ class Series(Table):
         acting = {key: row(f"{self.at}inputs {key}", values, count, unit=units[key])
                   for key, values in given.items()}  # fmt: skip
         self.input_units = {key: each for key, each in units.items() if each is not None}
-        notes += conversions(
-            self.at,
-            {"t": (t, "s"), "y": (y, unit), "sd": (sd, unit)}
-            | {key: (values, units[key]) for key, values in given.items()},
-        )
+        own = {key: (values, units[key]) for key, values in given.items()}
+        notes += conversions(self.at, {"t": (t, "s"), "y": (y, unit), "sd": (sd, unit), **own})
         for key, values in acting.items():
             for k in np.flatnonzero(marks_of_none(values))[:1].tolist():
                 what = f"{self.at}inputs {key}: row {k}"
-                refuse(
-                    what,
-                    values[k].item(),
-                    "the value that acted; this looks like a mark for no value",
-                )
+                text = "the value that acted; this looks like a mark for no value"
+                refuse(what, values[k].item(), text)
         gap = np.isnan(readings)
         stated = None if sd is None else stated_errors(f"{self.at}sd", sd, count, unit)
         gap = gap if stated is None else gap | np.isnan(stated)
@@ -391,12 +385,8 @@ def _about_a_curve(t: Array, y: Array, unit: str) -> Errors:
     """
     scatter = [_left_by_differences(t, y, order) for order in _ORDERS]
     size = float(np.std(y))
-    smooth = (
-        len(y) >= 4 * max(_ORDERS)
-        and 0.0 < scatter[0] < _FLAT * scatter[1]
-        and scatter[1] < _SMALL * size
-    )
-    if not smooth:
+    smooth = len(y) >= 4 * max(_ORDERS) and 0.0 < scatter[0] < _FLAT * scatter[1]
+    if not smooth or scatter[1] >= _SMALL * size:
         return Errors.alike(size or 1.0, np.ones(len(y)), 0.0)
     # A median of n differences of order 5, which overlap, tells as much as n / 8 free readings.
     return _of_a_curve(scatter[1], len(y), len(y) / 8.0, unit)

@@ -87,11 +87,6 @@ class Settings(dict[str, tuple[list[Any], str]]):
         usual = self.usual
         most = max(usual, key=lambda name: len(set(self[name][0])), default="")
         names = [*(name for name in self.varied if name not in usual), *usual]
-        return [
-            ", ".join(
-                self.text(name, self[name][0][i])
-                for name in names
-                if name not in usual or name == most or self[name][0][i] != usual[name]
-            )
-            for i in range(self.count)
-        ]
+        return [", ".join(self.text(name, self[name][0][i]) for name in names
+                          if name not in usual or name == most or self[name][0][i] != usual[name])
+                for i in range(self.count)]  # fmt: skip

@@ -156,14 +156,8 @@ class Table:
         count = len(readings)
         gap = np.isnan(readings)
         given = _of_array(f"{at}settings", settings, count) if columns is None else columns
-        notes += conversions(
-            at,
-            {
-                "y": (y, unit),
-                "sd": (sd, unit),
-                **{str(key): (values, None) for key, values in given.items()},
-            },
-        )
+        own = {str(key): (values, None) for key, values in given.items()}
+        notes += conversions(at, {"y": (y, unit), "sd": (sd, unit), **own})
         read = {}
         for key, values in given.items():
             what = f"{at}settings {key}"

@@ -209,16 +209,11 @@ class _Beside:
 
     def __init__(self, models: Models, fit: Fit, responses: Sequence[Response]) -> None:
         self.models, self.fit, problem = models, fit, models.problem
-        self.effects = [
-            effect
-            for number, response in enumerate(responses)
-            if response.cause.curve is None and response.cause.name not in fit.names
-            for effect in _effects(problem, fit, response, number)
-        ]
+        self.effects = [effect for number, response in enumerate(responses)
+                        if response.cause.curve is None and response.cause.name not in fit.names
+                        for effect in _effects(problem, fit, response, number)]  # fmt: skip
         p, gaps = len(fit.free), [effect.gap for effect in self.effects]
-        columns = np.column_stack([fit.slopes, *gaps, fit.residual])
-        form = models.forms[fit.form]
-        gram = form.weighted(form.prepared(columns), fit.residual, fit.h)
+        gram = models.forms[fit.form].gram_of([*fit.slopes.T, *gaps], fit.residual, fit.h)
         self.constants = gram[:p, :p]
         curvature, across = self.constants + fit.precision, gram[:p, p:-1]
         self.undo = np.linalg.solve(curvature, across)  # shape (free, effects)

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import chi2, rankdata
 
-from stickslip._util.arrays import Array, Mask
+from stickslip._util.arrays import Array
 from stickslip.diagnosis.fitting.descent import run_batched
 from stickslip.diagnosis.fitting.models import Fit, minimise
-from stickslip.diagnosis.fitting.problem import Problem, lack_of_fit
+from stickslip.diagnosis.fitting.problem import MANY, Problem, lack_of_fit
 from stickslip.diagnosis.fitting.responses import Response
 from stickslip.diagnosis.fitting.search import Models
 
@@ -125,14 +125,25 @@ def tested(problem: Problem, null: Fit, responses: list[Response], seed: int) ->
     All that was tried of a cause counts, such as every place of a scan, and not only where the data
     looked best: noise has to find the best of as much.
     """
-    n, p = len(problem.y), len(null.free)
-    lower = np.linalg.cholesky(null.precision)
-    jacobian = np.vstack([problem.whitened(null.slopes), lower.T])
-    basis = np.linalg.qr(jacobian)[0]
-    residual = np.concatenate([
-        problem.whitened(null.residual[:, None])[:, 0], -lower.T @ null.x[null.free]
-    ])  # fmt: skip
-    directions, either = _directions(problem, p, responses)
+    p, one_each = len(null.free), list({each.cause.name: each for each in responses}.values())
+    lower, rows, spare = np.linalg.cholesky(null.precision), problem.rows, [0] * len(problem.rows)
+    parts = [null.slopes, *(each.tried.T for each in one_each), null.residual[:, None]]
+    if len(problem.y) < MANY or any(errors.covariance is not None for errors in problem.errors):
+        whitened = np.hstack([problem.whitened(part) for part in parts])
+    else:
+        roots = [_root(problem, parts, of) for of in rows]
+        whitened, k = np.vstack(roots), len(roots[0])
+        spare = [max(of.stop - of.start - k, 0) for of in rows]
+        rows = [slice(k * table, k * (table + 1)) for table in range(len(rows))]
+    n, basis = len(whitened), np.linalg.qr(np.vstack([whitened[:, :p], lower.T]))[0]
+    residual = np.concatenate([whitened[:, -1], -lower.T @ null.x[null.free]])
+    # Effects of causes on the rows, and of relaxed constants on their prior.
+    relaxed = [n + problem.at(each.cause) for each in one_each if each.cause.is_constant]
+    directions = np.zeros((whitened.shape[1] - p - 1 + len(relaxed), n + p))
+    directions[: len(directions) - len(relaxed), :n] = whitened[:, p:-1].T
+    directions[len(directions) - len(relaxed) + np.arange(len(relaxed)), relaxed] = 1.0
+    sides = [*(each.either for each in one_each), np.ones(len(relaxed), dtype=bool)]
+    either = np.concatenate(sides)  # whether the opposite counts, too
     directions -= (directions @ basis) @ basis.T
     size = np.linalg.norm(directions, axis=1)
     seen = size > _UNSEEN
@@ -151,13 +162,17 @@ def tested(problem: Problem, null: Fit, responses: list[Response], seed: int) ->
     for start in range(0, count, size):
         part = slice(start, min(start + size, count))
         noise = random.standard_normal((part.stop - start, n + p))
-        for rows, dof in zip(problem.rows, problem.dof, strict=True):
+        beside = np.zeros(len(noise))
+        for of, dof, more in zip(rows, problem.dof, spare, strict=True):
+            square = np.ones((len(noise), 1))
             if math.isfinite(dof):
-                noise[:, rows] /= np.sqrt(random.chisquare(dof, (len(noise), 1)) / dof)
+                square = random.chisquare(dof, (len(noise), 1)) / dof
+                noise[:, of] /= np.sqrt(square)
+            beside += random.chisquare(more, len(noise)) / square[:, 0] if more else 0.0
         # Directions are at right angles to what the model undoes.
-        misfits[part] = np.sum(noise**2, axis=1) - np.sum((noise @ basis) ** 2, axis=1)
+        misfits[part] = np.sum(noise**2, axis=1) - np.sum((noise @ basis) ** 2, axis=1) + beside
         scores[part] = largest(noise)
-    exact = lack_of_fit(problem, observed, n)
+    exact = lack_of_fit(problem, observed, len(problem.y))
     fits, fit_p = _shares(misfits, observed)
     if not len(directions):
         return MisfitTest(exact, exact, 1.0)
@@ -168,19 +183,20 @@ def tested(problem: Problem, null: Fit, responses: list[Response], seed: int) ->
     return MisfitTest(min(both, 2.0 * min(exact, score_p)), exact, score_p)
 
 
-def _directions(problem: Problem, p: int, responses: Sequence[Response]) -> tuple[Array, Mask]:
-    """Effects of causes on whitened rows and the prior of `p` constants, and whether the opposite
-    of each counts, too."""
-    n, one_each = len(problem.y), {each.cause.name: each for each in responses}.values()
-    count = sum(len(each.tried) + each.cause.is_constant for each in one_each)
-    found, either, end = np.zeros((count, n + p)), np.ones(count, dtype=bool), 0
-    for response in one_each:
-        part = slice(end, end := end + len(response.tried))
-        found[part, :n], either[part] = problem.whitened(response.tried.T).T, response.either
-        if response.cause.is_constant:
-            found[end, n + problem.at(response.cause)] = 1.0
-            end += 1
-    return found, either
+def _root(problem: Problem, parts: Sequence[Array], rows: slice) -> Array:
+    """As many rows as columns of all parts, (n, k) each, with their inner products over `rows`.
+
+    Of many readings these alone count.
+    """
+    count = sum(part.shape[1] for part in parts)
+    gram, step = np.zeros((count, count)), max(_AT_ONCE // count, 1)
+    for begin in range(rows.start, rows.stop, step):
+        of = slice(begin, min(begin + step, rows.stop))
+        some = np.hstack([part[of] for part in parts]) / problem.sd[of, None]
+        gram += some.T @ some
+    size = np.sqrt(np.diag(gram)) + (np.diag(gram) == 0.0)
+    values, axes = np.linalg.eigh(gram / np.outer(size, size))
+    return np.asarray((axes * np.sqrt(np.maximum(values, 0.0))).T * size)
 
 
 def _shares(values: Array, observed: float) -> tuple[Array, float]:

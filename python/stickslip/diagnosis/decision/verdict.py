@@ -153,12 +153,10 @@ def _without_cause(
             rival = "correlated errors along a run, of the readings or of the model"
         chance = chance_of_other_constants(models, likeliest)
         if chance >= ALPHA:
-            reason = Note(
-                "misfit-of-both",
+            reason = Note("misfit-of-both", (
                 f"Both sides have a misfit that no listed cause explains ({p_text(test.p_value)}); "
-                f"other constants afterwards take no more of it than chance ({p_text(chance)}).",
-                chance,
-            )
+                f"other constants afterwards take no more of it than chance ({p_text(chance)})."
+            ), chance)  # fmt: skip
             return _with(verdict, "none", (), None, (reason,), models, None)
         text = f"A misfit is left ({p_text(test.p_value)}); no cause is more probable than {rival}."
         reason = Note("no-cause-leads", text, test.p_value)

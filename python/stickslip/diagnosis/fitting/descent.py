@@ -221,7 +221,7 @@ def _updated(slopes: Array, change: Array, move: Array, sd: Array) -> Array:
     gap = change - slopes @ move
     if length < DESCENT.stride:
         gap = np.clip(gap, -DESCENT.jump * sd, DESCENT.jump * sd)
-    return np.asarray(slopes + np.outer(gap, move) / length**2)
+    return np.asarray(slopes + np.outer(gap, move) / length**2, slopes.dtype)
 
 
 def _step(curvature: Array, downhill: Array, room: tuple[Array, Array], damping: float) -> Array:
@@ -266,7 +266,7 @@ def derivatives(
     oscillatory = problem.oscillatory[free]
     if oscillatory.any():
         usual = np.flatnonzero(~oscillatory)
-        slopes = np.empty((len(residual), len(free)))
+        slopes = np.empty((len(residual), len(free)), problem.kept)
         rest = None if spread is None else spread[usual]
         slopes[:, usual] = yield from derivatives(
             problem, x, free[usual], residual, cheap, rest, central
@@ -339,4 +339,5 @@ def _differences(
     points[np.arange(len(free)), free] += steps
     moved = yield points, cheap
     lost = (moved == LOST * problem.sd) | (residual == LOST * problem.sd)
-    return np.where(lost, 0.0, (residual - moved) / steps[:, None]).T
+    slopes = np.where(lost, 0.0, (residual - moved) / steps[:, None]).T
+    return np.asarray(slopes, problem.kept)

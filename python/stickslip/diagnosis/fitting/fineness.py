@@ -42,17 +42,16 @@ def _measured(
     problem: Problem, asked: Sequence[tuple[Cause, int]], steps: Array
 ) -> dict[int, float]:
     """The largest of some moves of each coordinate that turns no effect, or half the least."""
-    ways = [_ways(problem, cause, k, steps) for cause, k in asked]
-    points = np.vstack([np.zeros((1, problem.size)), *ways])
-    parts = range(0, len(points), problem.at_once)
-    residual = np.vstack([problem.residuals(points[k : k + problem.at_once]) for k in parts])
-    lost = np.any(residual == LOST * problem.sd, axis=1)
-    effects = np.where(lost[:, None], 0.0, (residual[0] - residual) / problem.sd)[1:]
-    found = {}
-    for (_, k), way, part in zip(asked, ways, np.split(effects, len(asked)), strict=True):
+    here, found = problem.residuals(np.zeros((1, problem.size))), {}
+    for cause, k in asked:
+        way = _ways(problem, cause, k, steps)
+        effects = problem.residuals(way)
+        lost = np.any(effects == LOST * problem.sd, axis=1)
+        effects = np.divide(np.subtract(here, effects, out=effects), problem.sd, out=effects)
+        effects[lost] = 0.0
         if problem.parameters[k].is_amplitude:
-            part = part * np.sign(way[:, [k]])  # the other sign reverses an effect: no turn
-        found[k] = _told(part.reshape(_PLACES, len(steps) + 1, -1), steps)
+            effects *= np.sign(way[:, [k]])  # the other sign reverses an effect: no turn
+        found[k] = _told(effects.reshape(_PLACES, len(steps) + 1, -1), steps)
     return found
 
 

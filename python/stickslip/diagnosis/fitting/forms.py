@@ -19,6 +19,7 @@ times the stated errors (Kennedy and O'Hagan, J. R. Stat. Soc. B 63, 425, 2001).
 from __future__ import annotations
 
 import copy
+import itertools
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -30,7 +31,7 @@ from scipy.special import gammaln
 from stickslip._util.arrays import Array, Indices
 from stickslip.diagnosis.data.errors import Errors
 from stickslip.diagnosis.data.table import Table
-from stickslip.diagnosis.fitting.problem import LOST, Problem
+from stickslip.diagnosis.fitting.problem import LOST, MANY, Problem
 
 PRIOR = {"exact": 1 / 2, "white": 1 / 6, "ar1": 1 / 6, "smooth": 1 / 6}
 """Prior probabilities of the forms. Chosen; between 0.1 and 0.99 for exact hardly a verdict of the
@@ -115,6 +116,17 @@ class Form:
         """`gram` for a step from a residual, the last column; robust forms weigh by it."""
         gram = self.gram(prepared, h)
         gram[-1, -1] += self.price(residual[None])[0]
+        return gram
+
+    def gram_of(self, columns: Sequence[Array], residual: Array, h: Array) -> Array:
+        """`weighted` of many columns, (n,), and a residual: by pairs of parts, as memory lets."""
+        k = len(columns)
+        parts = np.array_split(np.arange(k), k // (4 * self.problem.at_once) + 1)
+        gram = np.empty((k + 1, k + 1))
+        for one, other in itertools.combinations_with_replacement(parts, 2):
+            at = np.r_[one, other if other is not one else [], -1].astype(int)
+            some = np.column_stack([*(columns[j] for j in at[:-1]), residual])
+            gram[np.ix_(at, at)] = self.weighted(self.prepared(some), residual, h)
         return gram
 
     def begin(self, residual: Array) -> Array:
@@ -230,17 +242,15 @@ class Correlated(Form):
         span = place[ends] - place[begins]
         share = gap / np.repeat(np.where(span > 0.0, span, 1.0), ends + 1 - begins)
         self._step = float(np.median(share[np.isfinite(share)]))
-        self._log_det = 0.0
+        self._log_det, self._kept = 0.0, (np.zeros(0), dict[tuple[float, float], Any]())
         self._place(order, share)
 
     def _place(self, order: Indices, share: Array) -> None:
         """Take rows in their order, each a share of the span of its run after the one before."""
         self._order, self._share = order, share
         way, run = np.cumsum(np.where(np.isfinite(share), share, 0.0)), np.cumsum(np.isinf(share))
-        chain, self._dense = (
-            np.ones(len(order), dtype=bool),
-            list[tuple[Indices, Array, Array, Array]](),
-        )
+        chain = np.ones(len(order), dtype=bool)
+        self._dense = list[tuple[Indices, Array, Array, Array]]()
         for k, part in enumerate(self.problem.rows):
             covariance = self.problem.covariance(k)
             if covariance is None:
@@ -296,8 +306,19 @@ class Correlated(Form):
         return whitened
 
     def gram(self, prepared: Any, h: Array) -> Array:
-        whitened = self._whitened(prepared, h)
-        return np.asarray(whitened.T @ whitened)
+        if self.n < MANY:
+            whitened = self._whitened(prepared, h)
+            return np.asarray(whitened.T @ whitened)
+        # All errors larger by a factor are the same inner product: of many rows it is kept.
+        if self._kept[0] is not prepared:
+            self._kept = prepared, {}
+        key = round(h[1] - h[0], 12), round(h[2], 12)
+        if key not in self._kept[1]:
+            whitened = self._whitened(prepared, np.array([0.0, h[1] - h[0], h[2]]))
+            self._kept[1][key] = whitened.T @ whitened, self._log_det
+        gram, log_det = self._kept[1][key]
+        self._log_det = log_det + 2.0 * prepared.shape[0] * float(h[0])
+        return np.asarray(gram * math.exp(-2.0 * h[0]))
 
     def misfit(self, prepared: Any, h: Array) -> Array:
         return np.asarray(np.sum(self._whitened(prepared, h) ** 2, axis=0))

@@ -12,8 +12,8 @@ from scipy.special import log_ndtr, logsumexp
 from stickslip._util.arrays import Array, Indices
 from stickslip._util.text import OneLine
 from stickslip.diagnosis.fitting.descent import Batched, End, derivatives, precision_of, refine
-from stickslip.diagnosis.fitting.forms import PRIOR, Form, forms
-from stickslip.diagnosis.fitting.problem import Problem
+from stickslip.diagnosis.fitting.forms import PRIOR, Correlated, Form, forms
+from stickslip.diagnosis.fitting.problem import MANY, Problem
 from stickslip.diagnosis.terms.cause import Cause
 
 PRIOR_NONE, PRIOR_CAUSES, PRIOR_MORE = 0.6, 0.4, 0.1
@@ -31,6 +31,9 @@ _AT_MINIMUM = 0.3
 # and the promised fall of the loss that ends them; the least curvature that is believed; and the
 # loss where the likelihood is none. Chosen: far below what a lead counts.
 _STEP_H, _NEWTON, _LONGEST_H, _SETTLED_H, _FLAT, _IMPOSSIBLE = 0.05, 12, 2.0, 0.01, 0.05, 1e12
+# Parts of many rows that tell in turn where hyperparameters begin, so many neighbours and a gap.
+# Chosen.
+_THIN, _TOGETHER = (100, 10), 20
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -179,8 +182,12 @@ def sharpened(problem: Problem, form: Form, old: Fit) -> Batched[Fit]:
 
 def linear(problem: Problem, form: Form, causes: Sequence[Cause], end: End) -> Fit:
     """A fit that stays where it is, with the evidence of the linear model there."""
-    causes = tuple(sorted(causes, key=lambda cause: cause.name))
-    return _fit(problem, form, causes, end, form.begin(end.residual))[0]
+    causes, h = tuple(sorted(causes, key=lambda cause: cause.name)), form.begin(end.residual)
+    for thin in _THIN:
+        if isinstance(form, Correlated) and form.n >= max(_TOGETHER * thin**2, MANY):
+            part = form.of_rows(np.flatnonzero(np.arange(form.n) % (_TOGETHER * thin) < _TOGETHER))
+            h = evidence(problem, part, causes, end, h)[0]
+    return _fit(problem, form, causes, end, h)[0]
 
 
 def covariance_beside(problem: Problem, fit: Fit) -> Array:
@@ -257,7 +264,8 @@ def evidence(
                 return np.concatenate([loss(point[None]) for point in points])
             return np.where(np.isfinite(losses), losses, _IMPOSSIBLE)
 
-        h, second = _minimum(loss, np.clip(h, low, high), low, high)
+        step = _STEP_H * math.sqrt(min(MANY / form.n, 1.0))  # what is open, of many readings less
+        h, second = _minimum(loss, np.clip(h, low, high), low, high, step)
         # At the edge of a range the curvature says little: no more than the prior is left open.
         scale = np.maximum(np.linalg.eigvalsh(second), 1.0 / np.max(sd) ** 2)
         total -= 0.5 * float(np.sum(np.log(scale))) + float(np.sum(np.log(sd)))
@@ -269,24 +277,24 @@ def evidence(
 
 
 def _minimum(
-    loss: Callable[[Array], Array], h: Array, low: Array, high: Array
+    loss: Callable[[Array], Array], h: Array, low: Array, high: Array, step: float
 ) -> tuple[Array, Array]:
     """Where a loss, of points of shape (count, d), is least within limits, and its curvature.
 
     By Newton's steps; each takes slopes and curvature from one batch of points.
     """
     d = len(h)
-    steps, (one, other) = _STEP_H * np.eye(d), np.tril_indices(d, -1)
-    around = np.vstack([np.zeros((1, d)), steps, -steps, steps[one] + steps[other]])
+    steps, (one, other) = step * np.eye(d), np.tril_indices(d, -1)
+    around = np.vstack([steps, -steps, steps[one] + steps[other]])
     least, last, longest = math.inf, h, _LONGEST_H
     for _ in range(_NEWTON):
-        here, *rest = loss(h + around)
+        (here,) = loss(h[None])
         if here < least:
-            up, down, both = np.split(np.array(rest), [d, 2 * d])
-            second = np.diag((up + down - 2.0 * here) / _STEP_H**2)
-            second[one, other] = (both - up[one] - up[other] + here) / _STEP_H**2
+            up, down, both = np.split(loss(h + around), [d, 2 * d])
+            second = np.diag((up + down - 2.0 * here) / step**2)
+            second[one, other] = (both - up[one] - up[other] + here) / step**2
             second[other, one] = second[one, other]
-            downhill = (down - up) / (2.0 * _STEP_H)
+            downhill = (down - up) / (2.0 * step)
             free = np.where(downhill > 0.0, h < high, h > low)
             scale, axes = np.linalg.eigh(np.where(np.outer(free, free), second, np.eye(d)))
             scale = np.maximum(np.abs(scale), _FLAT)
@@ -294,8 +302,8 @@ def _minimum(
             least, last, longest = here, h, min(2.0 * longest, _LONGEST_H)
         else:
             longest *= 0.25
-        step = move * min(1.0, longest / max(float(np.max(np.abs(move))), 1e-300))
-        h = np.clip(last + step, low, high)
+        part = min(1.0, longest / max(float(np.max(np.abs(move))), 1e-300))
+        h = np.clip(last + part * move, low, high)
         if downhill @ (h - last) < _SETTLED_H:
             break
     else:

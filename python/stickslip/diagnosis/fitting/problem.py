@@ -8,7 +8,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -47,6 +47,9 @@ searched, of a shape where its prior leaves out one in 400. Chosen."""
 
 HUGE = 1e100
 """Size of a prediction beyond which it is as good as none: its square overflows."""
+
+MANY = 4000
+"""Rows from which on memory counts. Chosen."""
 
 _MOST_PREDICTED = 1 << 20  # numbers of predictions at once: 8 MiB; chosen
 
@@ -152,6 +155,11 @@ class Problem(OneLine):
     def at_once(self) -> int:
         """Points whose predictions are asked for at once, at most."""
         return max(_MOST_PREDICTED // max(len(self.y), 1), 1)
+
+    @property
+    def kept(self) -> Any:
+        """Numbers in which effects and slopes are kept: of many rows half as long."""
+        return np.float32 if len(self.y) >= MANY else np.float64
 
     @cached_property
     def oscillatory(self) -> Mask:
@@ -334,8 +342,8 @@ class Problem(OneLine):
         model = self.low_fidelity if cheap and self.low_fidelity is not None else self.model
         with np.errstate(over="ignore", invalid="ignore"):
             predicted = model(self.physical(x))
-            residual = self.y - predicted
             lost = ~(np.abs(predicted) < HUGE)
+            residual = np.subtract(self.y, predicted, out=predicted)
         return np.where(lost, LOST * self.sd, residual) if lost.any() else residual
 
 
@@ -366,6 +374,8 @@ class Cached:
         new = {key: row for key, row in zip(keys, values, strict=True) if key not in self._rows}
         if new:
             made = np.asarray(self.anew(np.stack(list(new.values()))), dtype=float)
+            if len(new) == len(keys) and made.size > _MOST_CACHED // 4:
+                return np.ascontiguousarray(made)  # they would displace all others
             # A row by itself, as a view would keep all rows of its call.
             self._rows |= {key: row.copy() for key, row in zip(new, made, strict=True)}
         every = len(new) == len(keys)

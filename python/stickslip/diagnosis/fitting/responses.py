@@ -43,7 +43,7 @@ class Response(OneLine):
     predictions by one amplitude each, of sizes `values`. `base`, shape (n, fitted), are the slopes
     at the fit; with gaps they are the `columns` of the `free` ones with the cause. `tried`, shape
     (directions, n), are the changes by all that was tried of the cause, whatever the data; the
-    opposite of those with `either` counts, too.
+    opposite of those with `either` counts, too. `probe` is what this one tried.
     """
 
     cause: Cause
@@ -56,17 +56,18 @@ class Response(OneLine):
     free: int
     tried: Array
     either: Mask
+    probe: Probe
 
     @property
     def slopes(self) -> Array:
         """Slopes of the model with the cause, shape (n, free), to begin its fit with; made anew."""
-        slopes = np.zeros((len(self.base), self.free))
+        slopes = np.zeros((len(self.base), self.free), self.base.dtype)
         slopes[:, self.columns] = np.hstack([self.base, self.gaps.T / self.values])
         return slopes
 
 
 @dataclass(frozen=True)
-class _Probe:
+class Probe:
     """Amplitudes of a cause that are moved one at a time, to `values`, beside its shapes."""
 
     cause: Cause
@@ -78,14 +79,16 @@ class _Probe:
 def responses(
     problem: Problem, end: End, causes: Sequence[Cause], offered: Sequence[Cause], form: Form,
     h: Array, sizes: Sequence[float] = AMPLITUDES, cheap: bool = False,
+    probes: Sequence[Probe] | None = None,
 ) -> list[Response]:  # fmt: skip
     """Responses of causes that are offered beside `causes`, which are fitted at `end`.
 
     By one batch of predictions, with `cheap` by the model of low fidelity. `form` and `h` are the
-    inner product, `sizes` the coordinates at which amplitudes are tried; those of the largest gain
-    come first.
+    inner product, `sizes` the coordinates at which amplitudes are tried, unless `probes` are given;
+    those of the largest gain come first.
     """
-    probes = [probe for cause in offered for probe in _probes(problem, cause, sizes)]
+    if probes is None:
+        probes = [probe for cause in offered for probe in _probes(problem, cause, sizes)]
     groups = itertools.groupby(probes, key=lambda probe: probe.cause.name)
     every = [list(group) for _, group in groups]
     sizes_of = [len(group) * len(group[0].columns) for group in every]
@@ -97,15 +100,20 @@ def responses(
         for mine in some:
             effects = gaps[first : first + len(mine) * len(mine[0].columns)]
             first += len(effects)
-            # One product for all probes: the slopes of what is fitted, the gaps, the residual.
-            prepared = form.prepared(np.column_stack([end.slopes, effects.T, end.residual]))
-            gram = form.weighted(prepared, end.residual, h)
+            # Products of the slopes of what is fitted, the gaps, the residual; of gaps with each
+            # other those of one probe alone.
+            p, m = end.slopes.shape[1], max(len(mine[0].columns), 1)
+            gram = np.zeros((p + len(effects) + 1,) * 2)
+            for rows in _split(len(effects), m * max(problem.at_once // m, 1)):
+                columns = np.column_stack([end.slopes, effects[rows].T, end.residual])
+                at = np.r_[:p, p + np.arange(len(effects))[rows], -1]
+                gram[np.ix_(at, at)] = form.weighted(form.prepared(columns), end.residual, h)
             result += _best(problem, end, causes, mine, gram, effects)
     return sorted(result, key=lambda response: -response.gain)
 
 
 def _changes(
-    problem: Problem, x: Array, here: Array, probes: Sequence[_Probe], cheap: bool
+    problem: Problem, x: Array, here: Array, probes: Sequence[Probe], cheap: bool
 ) -> Array:
     """Changes of the predictions by one amplitude of each probe, shape (amplitudes, n)."""
     points = []
@@ -115,13 +123,19 @@ def _changes(
             points[-1][[*probe.shapes, column]] = [*probe.shapes.values(), value]
     if not points:
         return np.zeros((0, len(problem.y)))
-    moved = problem.residuals(np.array(points), cheap)
-    lost = (moved == LOST * problem.sd) | (here == LOST * problem.sd)
-    np.subtract(here, moved, out=moved)
-    return np.where(lost, 0.0, moved) if lost.any() else moved
+    changes = np.empty((len(points), len(here)), problem.kept)
+    for rows in _split(len(points), problem.at_once):
+        moved = problem.residuals(np.array(points[rows]), cheap)
+        lost = (moved == LOST * problem.sd) | (here == LOST * problem.sd)
+        changes[rows] = np.where(lost, 0.0, np.subtract(here, moved, out=moved))
+    return changes
 
 
-def _probes(problem: Problem, cause: Cause, sizes: Sequence[float]) -> list[_Probe]:
+def _split(count: int, most: int) -> list[slice]:
+    return [slice(begin, begin + most) for begin in range(0, max(count, 1), most)]
+
+
+def _probes(problem: Problem, cause: Cause, sizes: Sequence[float]) -> list[Probe]:
     low, high = problem.limits
     columns = problem.columns([cause]).tolist()
     shapes = [k for k in columns if not problem.parameters[k].is_amplitude and not cause.has_knots]
@@ -141,11 +155,8 @@ def _probes(problem: Problem, cause: Cause, sizes: Sequence[float]) -> list[_Pro
     if moved and moved[0] in fine:
         # An amplitude that turns its effect is looked through like a shape.
         amounts = [[place] for place in _places(problem, fine, moved[0]) if place != 0.0]
-    return [
-        _Probe(cause, moved, amount, dict(zip(shapes, shape, strict=True)))
-        for shape in itertools.product(*grid)
-        for amount in amounts
-    ]
+    return [Probe(cause, moved, amount, dict(zip(shapes, shape, strict=True)))
+            for shape in itertools.product(*grid) for amount in amounts]  # fmt: skip
 
 
 def within(size: float, low: float, high: float) -> float:
@@ -165,7 +176,7 @@ def _places(problem: Problem, fine: Sequence[int], k: int) -> tuple[float, ...]:
 
 
 def _best(
-    problem: Problem, end: End, causes: Sequence[Cause], probes: Sequence[_Probe], gram: Array,
+    problem: Problem, end: End, causes: Sequence[Cause], probes: Sequence[Probe], gram: Array,
     gaps: Array,
 ) -> list[Response]:  # fmt: skip
     """The amplitudes of the probes of a cause, within what is trusted, that lower the cost most.
@@ -207,11 +218,11 @@ def _best(
         x[fitted] += rest[k]
         x[moved], x[[*probes[k].shapes]] = amplitudes[k], places[k]
         found.append(Response(cause, x, float(gain[k]), mine, values[k], end.slopes, columns,
-                              len(free), gaps, either))  # fmt: skip
+                              len(free), gaps, either, probes[k]))  # fmt: skip
     return found
 
 
-def _trusted(problem: Problem, probe: _Probe, values: Array) -> tuple[Array, Array]:
+def _trusted(problem: Problem, probe: Probe, values: Array) -> tuple[Array, Array]:
     """Ends between which the response to amplitudes, (probes, amplitudes), tells that to others."""
     if len(probe.columns) == 1 and problem.fineness[probe.columns[0]] <= FINE:
         return values, values

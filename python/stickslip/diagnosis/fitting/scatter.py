@@ -58,14 +58,18 @@ def with_scatter(problem: Problem, seed: int) -> Problem:
              for effect in separated(effects, lambda effect: effect.x, SEARCH.apart)]  # fmt: skip
     ends = sorted(run_batched(short, looks), key=lambda end: end.cost)
     starts = [*(end.x for end in ends[: _FOLLOWED - 1]), null.x]
+    # On all readings of a long record what is left is known after a step.
+    begin, last = None, _STEPS if short is problem else 1
     for steps in (_LOOK, _STEPS) if short is not problem else ():
         walks = [refine(short, form, h, problem.causes, x, steps=steps) for x in starts]
         starts = [min(run_batched(short, walks), key=lambda end: end.cost).x]
     while True:
         for _ in range(_ROUNDS if unknown else 1):
             form = Exact(problem)
-            walks = [refine(problem, form, h, problem.causes, x, steps=_STEPS) for x in starts]
+            walks = [refine(problem, form, h, problem.causes, x, steps=last, begin=begin)
+                     for x in starts]  # fmt: skip
             best = min(run_batched(problem, walks), key=lambda end: end.cost)
+            begin = best if last == 1 else None
             starts, spent = [best.x], _parameters(problem, form, best)
             problem = _scattered(problem, unknown, best.residual, spent)
         rougher = [k for k in curves if k not in unknown and _size(problem, k, best.residual, spent)
@@ -121,4 +125,4 @@ def _scattered(problem: Problem, unknown: Sequence[int], residual: Array, spent:
         )
         repeats, note = np.bincount(table.condition), Note("noise-fit", text, size)
         tables[k] = table.having(errors=Errors.alike(size, repeats, count, note, of_fit=True))
-    return problem.with_tables(tables)
+    return problem.with_tables(tables) if told else problem

@@ -18,13 +18,14 @@ from stickslip._util.arrays import Array
 from stickslip.diagnosis.fitting.descent import (
     Batched,
     End,
+    batches,
     costs_of,
     end_at,
     precision_of,
     run_batched,
 )
 from stickslip.diagnosis.fitting.draws import FEWEST, drawn
-from stickslip.diagnosis.fitting.forms import Form, forms
+from stickslip.diagnosis.fitting.forms import Form, Softened, forms
 from stickslip.diagnosis.fitting.models import (
     Fit,
     covariance_beside,
@@ -35,10 +36,15 @@ from stickslip.diagnosis.fitting.models import (
     sharpened,
 )
 from stickslip.diagnosis.fitting.options import DESCENT, SEARCH
-from stickslip.diagnosis.fitting.problem import Problem, lack_of_fit
-from stickslip.diagnosis.fitting.responses import USUAL, Response, responses
+from stickslip.diagnosis.fitting.problem import MANY, Problem, lack_of_fit
+from stickslip.diagnosis.fitting.responses import USUAL, Probe, Response, responses
 from stickslip.diagnosis.fitting.starts import first_looks, looked, seen_in, separated, softened
 from stickslip.diagnosis.terms.cause import Cause
+
+# Part of the stated errors down to which a look beside a leader has shown what leads: a gain that
+# counts there is of two errors with the errors as stated. Chosen.
+_HALF = 0.5
+_LIKELIEST = 4  # probes of a cause beside a leader of a long record; chosen
 
 Progress = Callable[[float, str], None]
 """``progress(fraction, stage)`` is told the fraction that is done and what comes next."""
@@ -46,15 +52,16 @@ Progress = Callable[[float, str], None]
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """Where the fit of a model begins: coordinates, and slopes and hyperparameters if known.
+    """Where the fit of a model begins: coordinates, and hyperparameters if known.
 
-    `cost_bound` is the cost, with these hyperparameters, from which the fit is given up.
+    What is `near` has slopes to begin with; `cost_bound` is the cost, with these hyperparameters,
+    from which the fit is given up.
     """
 
     form: str
     causes: tuple[Cause, ...]
     x: Array
-    slopes: Array | None = None
+    near: Fit | End | Response | None = None
     h: Array | None = None
     cost_bound: float = math.inf
 
@@ -148,9 +155,12 @@ class Models:
     def add_fits(self, starts: Sequence[Start]) -> None:
         """Fit models from starts, in step, unless nothing can be fitted there."""
         self.begun += len(starts)
-        for fit in run_batched(self.problem, [self._fitted(start) for start in starts]):
-            if fit is not None:
-                self.add(fit)
+        # In step, as many as memory lets.
+        sizes = [self.problem.free(start.causes).size for start in starts]
+        for some in batches(starts, sizes, max(4 * self.problem.at_once, max(sizes, default=1))):
+            for fit in run_batched(self.problem, [self._fitted(start) for start in some]):
+                if fit is not None:
+                    self.add(fit)
 
     def _fitted(self, start: Start) -> Batched[Fit | None]:
         cost_bound, least = start.cost_bound, -math.inf
@@ -161,13 +171,12 @@ class Models:
             least = self.log_posterior(rivals[0]) - prior - SEARCH.behind
             if start.form == "exact":
                 cost_bound = min(cost_bound, self.cost_bound)
+        slopes = None if start.near is None else start.near.slopes
         try:
-            return (
-                yield from minimise(
-                    self.problem, self.forms[start.form], start.causes, start.x, h=start.h,
-                    slopes=start.slopes, cost_bound=cost_bound, least=least,
-                )
-            )  # fmt: skip
+            return (yield from minimise(
+                self.problem, self.forms[start.form], start.causes, start.x, h=start.h,
+                slopes=slopes, cost_bound=cost_bound, least=least,
+            ))  # fmt: skip
         except np.linalg.LinAlgError:
             return None
 
@@ -191,12 +200,9 @@ def search(
     most, done = models.begun + SEARCH.most_fits, {frozenset[str](): models.null.log_evidence}
     for turn in range(SEARCH.rounds):
         say(0.3 + 0.5 * turn / SEARCH.rounds, "comparing models")
-        new = [
-            fit
-            for fit in _worth_a_look(models)
-            if fit.log_evidence > done.get(fit.names, -math.inf) + SEARCH.better
-            and not (fit.names in done and _leaves_too_little(models, fit))
-        ]
+        new = [fit for fit in _worth_a_look(models)
+               if fit.log_evidence > done.get(fit.names, -math.inf) + SEARCH.better
+               and not (fit.names in done and _leaves_too_little(models, fit))]  # fmt: skip
         # Where the best model leaves ten errors in each row, few looks beside others explain more.
         reaches = models.reaches
         new = new if reaches else [fit for fit in new if fit is new[0] or len(fit.causes) > 1][:2]
@@ -302,7 +308,7 @@ def _fit_singles(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -
     margin = SEARCH.margin * len(short.y) / len(problem.y)
     hopeful = [look for look in looks if look[0].cost < looks[0][0].cost + margin]
     hopeful += [look for look in first.values() if look not in hopeful]
-    fits = [Start("exact", (cause,), end.x, end.slopes if short is problem else None)
+    fits = [Start("exact", (cause,), end.x, end if short is problem else None)
             for end, cause in hopeful]  # fmt: skip
     models.add_fits(fits[:1])
     models.add_fits(fits[1:])
@@ -334,7 +340,7 @@ def _nest_singles(models: Models, causes: Sequence[Cause]) -> None:
     for response in responses(problem, null.end, (), worse, exact, null.h, sizes, cheap=True):
         best.setdefault(response.cause.name, response)
     models.add_fits([
-        Start("exact", (response.cause,), response.x, response.slopes)
+        Start("exact", (response.cause,), response.x, response)
         for response in best.values() if response.gain > SEARCH.better
     ])  # fmt: skip
     for response in best.values():
@@ -359,6 +365,8 @@ def _leaves_too_little(models: Models, leader: Fit) -> bool:
     plain, problem = models.get(leader.names), models.problem
     if plain is None:
         return False
+    if leader.form == "white" and leader.sizes["kappa"] > _HALF and len(problem.y) >= MANY:
+        return True  # as with the errors as stated, which are the same but for a factor
     p_value = lack_of_fit(problem, plain.chi2, len(problem.y) - len(plain.free))
     explains = len(leader.causes) > 1 and p_value >= SEARCH.explains
     return explains or plain.cost + 2.0 * math.log(2.0) < _least_fall(models, leader)
@@ -382,7 +390,7 @@ def _look_beside(models: Models, leader: Fit) -> None:
         x[problem.columns([cause])] = 0.0
     at = [end_at(problem, *pair) for pair in zip(smaller, points, strict=True)]
     bases += zip(smaller, run_batched(problem, at), strict=True)
-    starts = [Start(leader.form, rest, end.x, end.slopes) for rest, end in bases
+    starts = [Start(leader.form, rest, end.x, end) for rest, end in bases
               if rest != leader.causes]  # fmt: skip
     for rest, end in bases:
         more, third = rest == leader.causes, len(rest) > 1
@@ -392,7 +400,8 @@ def _look_beside(models: Models, leader: Fit) -> None:
         least = (_least_fall(models, leader) if third else SEARCH.worth) if more else -math.inf
         tried: dict[str, int] = {}
         sizes = (*SEARCH.smaller, USUAL) if more and leader.names == first.names else (USUAL,)
-        for response in responses(problem, end, rest, offered, metric, h, sizes, cheap=True):
+        probes = _likeliest(problem, rest, end, offered, sizes)
+        for response in responses(problem, end, rest, offered, metric, h, sizes, True, probes):
             name = response.cause.name
             if response.gain < least or (name not in tried and len(tried) == SEARCH.more):
                 continue
@@ -400,11 +409,27 @@ def _look_beside(models: Models, leader: Fit) -> None:
             if tried[name] > 2 or not _may_improve(models, leader, rest, end, response):
                 continue
             both, hyper = (*rest, response.cause), h if metric.names else None
-            starts.append(Start(leader.form, both, response.x, response.slopes, hyper, cost_bound))
+            starts.append(Start(leader.form, both, response.x, response, hyper, cost_bound))
             if more and tried[name] == 1:
                 # Nested: never worse than what it contains.
                 starts.append(replace(starts[-1], x=leader.x))
     models.add_fits(starts)
+
+
+def _likeliest(
+    problem: Problem, rest: Sequence[Cause], end: End, offered: Sequence[Cause],
+    sizes: Sequence[float],
+) -> list[Probe] | None:  # fmt: skip
+    """Of a long record, the probes of each cause that promise most in its beginning."""
+    short, likely = problem.short, dict[str, list[Probe]]()
+    if short is problem:
+        return None
+    (there,) = run_batched(short, [end_at(short, rest, end.x)])
+    left = math.sqrt(max(np.sum(short.chi2_of_tables(there.residual[None])) / len(short.y), 1.0))
+    metric = Softened(short, left)
+    for response in responses(short, there, rest, offered, metric, np.zeros(0), sizes, True):
+        likely.setdefault(response.cause.name, []).append(response.probe)
+    return [probe for probes in likely.values() for probe in probes[:_LIKELIEST]]
 
 
 def _may_improve(
@@ -444,7 +469,7 @@ def _fit_other_forms(models: Models) -> None:
         for rank, (promised, old, hope, better) in enumerate(hopes):
             near = len(old.causes) < 2 and promised > hopes[0][0] - SEARCH.behind
             if better and (rank < SEARCH.other_forms or near or not old.causes):
-                starts.append(Start(name, old.causes, old.x, old.slopes, hope.h))
+                starts.append(Start(name, old.causes, old.x, old, hope.h))
             elif better and len(old.causes) < 2:
                 models.add(hope)  # far behind: the linear model will do
         models.add_fits(starts)
@@ -459,7 +484,7 @@ def _fit_exact_again(models: Models) -> None:
     """
     exact, first = models.forms["exact"], models.leaders(1)[0]
     if models.get(first.names) is None:
-        models.add_fits([Start("exact", first.causes, first.x, first.slopes)])
+        models.add_fits([Start("exact", first.causes, first.x, first)])
     starts = []
     for old in models.leaders(form="exact"):
         for other in models.best.values():
@@ -469,6 +494,5 @@ def _fit_exact_again(models: Models) -> None:
             cost = exact.cost(other.residual[None, :], np.zeros(0))[0]
             free = other.x[old.free]
             if float(cost + free @ old.precision @ free) < old.cost - SEARCH.better:
-                slopes = other.slopes if alike else None
-                starts.append(Start("exact", old.causes, other.x, slopes))
+                starts.append(Start("exact", old.causes, other.x, other if alike else None))
     models.add_fits(starts)

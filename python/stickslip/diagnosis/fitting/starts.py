@@ -40,6 +40,9 @@ def recalibrated(problem: Problem, seed: int) -> tuple[Fit, list[End]]:
     Where the first starts end with a misfit, others from a second scan follow, of all strata of the
     constants that are known in range only: a wrong minimum would be taken for a hidden cause.
     """
+    known: dict[int, tuple[Fit, list[End]]] = vars(problem).setdefault("_recalibrated", {})
+    if seed in known:
+        return known[seed]
     whole, problem = problem, problem.short
     exact = forms(problem, ["exact"])["exact"]
     count = SEARCH.scan if len(problem.constants) > 1 else SEARCH.scan // 4
@@ -53,7 +56,8 @@ def recalibrated(problem: Problem, seed: int) -> tuple[Fit, list[End]]:
     if whole is not problem:
         exact = forms(whole, ["exact"])["exact"]
         best = finished(whole, minimise(whole, exact, (), best.x))
-    return best, ends
+    known[seed] = best, ends
+    return known[seed]
 
 
 def _descended(problem: Problem, exact: Form, starts: Sequence[Array]) -> tuple[Fit, list[End]]:
@@ -153,11 +157,8 @@ def first_looks(
     looks = [look for _, look in sorted(hopes, key=lambda hope: hope[0])]
     relaxed = [cause for cause in causes if cause.is_constant]
     stages = (*(Softened(problem, *stage) for stage in DESCENT.stages[:2]), robust)
-    for cause, starts in zip(
-        relaxed,
-        run_batched(problem, [_along(problem, cause, null) for cause in relaxed]),
-        strict=True,
-    ):
+    every = run_batched(problem, [_along(problem, cause, null) for cause in relaxed])
+    for cause, starts in zip(relaxed, every, strict=True):
         looks += [(cause, x, None, stages, 2 * SEARCH.look) for x in starts]
     return looks
 
@@ -170,12 +171,8 @@ def _promising(
     Responses are right to first order. A start that is better now may be where no descent leads
     back: constants have been bent to what the cause does.
     """
-    in_turn = [
-        (number, each)
-        for row in itertools.zip_longest(*views)
-        for number, each in enumerate(row)
-        if each is not None
-    ]
+    in_turn = [(number, each) for row in itertools.zip_longest(*views)
+               for number, each in enumerate(row) if each is not None]  # fmt: skip
     # Where the cause does nothing is nothing to begin with.
     columns = problem.columns([cause])
     acts = [one for one in in_turn if np.any(np.abs(one[1].x[columns]) > SEARCH.same)]

@@ -78,11 +78,8 @@ def notes_of(facts: Facts) -> list[dict[str, Any]]:
 def _of_tables(facts: Facts, what: str) -> list[tuple[Note, str]]:
     """Notes of the tables and their texts; of several tables, or of no curve, with its name."""
     several = len(facts.problem.tables) > 1
-    return [
-        (note, f"{one.title}: {note}" if several or not one.table.drawable else str(note))
-        for one in facts.problem.parts
-        for note in getattr(one.table, what)
-    ]
+    return [(note, f"{one.title}: {note}" if several or not one.table.drawable else str(note))
+            for one in facts.problem.parts for note in getattr(one.table, what)]  # fmt: skip
 
 
 def _conditions(facts: Facts) -> list[dict[str, Any]]:
