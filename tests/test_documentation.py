@@ -8,6 +8,7 @@ import re
 
 import numpy as np
 import pytest
+from blind import changes as pairs
 from blind import own, twins
 from blind.scoring import Case, read
 from blind.study import lines
@@ -254,7 +255,21 @@ def measured_words():
         f"The delay of an input, told of {sum(map(len, off.values()))} logs, is off by"
         f" {rms['held']:.2f} (held inputs) and {rms['line']:.2f} (lines) of its standard errors",
     ]
+    of_pairs = list(lines(OWN.with_name("changes.jsonl")))
+    differ, same = ([(row, pairs.answer(row).outcome) for row in of_pairs
+                     if bool(row["change"]) == some] for some in (True, False))  # fmt: skip
+    ends = [outcome for _, outcome in differ]
+    counts_of_pairs = (
+        f"{len(of_pairs)} simulated pairs of logs ([beside other tools]"
+        f"(../accuracy.md#blind-study)): of {len(ends)} with one difference"
+        f" {ends.count('right name')} are named, {ends.count('right set')} more are in a set of"
+        f" at most three, and {ends.count('wrong name') or 'none'} is named wrongly. Of"
+        f" {len(same)} without one,"
+        f" {sum(outcome != 'rightly silent' for _, outcome in same) or 'none'} is said to differ;"
+        f" in {sum(row['verdict'] == 'unexplained' for row, _ in same)}, with other inputs"
+    )
     return {
+        "docs/howto/what-changed.md": [counts_of_pairs],
         "README.md": [
             f"within {100 * AGREEMENT:g} % in velocity in each of {len(SCENARIOS)} different walks",
             f"creeps by {1e3 * creep['mujoco, step 40 us, impratio 1']:.1f} um in a second",
