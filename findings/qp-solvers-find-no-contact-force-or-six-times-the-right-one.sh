@@ -1,13 +1,12 @@
 #!/usr/bin/env bash
-# Expected: a solver that says "found" has the two contact forces of a block, a well conditioned problem, to a few
+# Expected: a solver that says "found" has the two contact forces of a block, a well conditioned problem, to some
 #   digits.
 # What happens: tolerances are absolute, and HiGHS adds 1e-7 to the diagonal. With compliances of 2 um/N OSQP and SCS
-#   give no force, ProxQP 0.72 and HiGHS 0.96 of it; as impulses of a block of 2 mg Clarabel gives six times the right
-#   ones. All report success. quadprog and DAQP are right in both.
-# Packages: the pins, by way of qpsolvers 4.13.0. Source: the tolerances are documented; their effect was found by
-#   trying.
-# Who is hurt: whoever solves contacts, complementarity problems or controllers of small machines in SI units.
-# Instead: divide matrix and vector by their largest entries and scale the unknown back (tried: all within 1 %).
+#   give no force, ProxQP 0.72 and HiGHS 0.96 of it; as impulses of 2 mg Clarabel gives six times the right ones. All
+#   report success. quadprog and DAQP are right in both.
+# Packages: the pins, by way of qpsolvers 4.13.0. Source: tolerances are documented, their effect was found by trying.
+# Who is hurt: whoever solves contacts, complementarity problems or controllers of small machines in SI.
+# Instead: divide matrix and vector by their largest entries, scale the unknown back (tried: all within 1 %).
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
