@@ -37,6 +37,10 @@ class Search:
     # Rounds beside leaders.
     leaders: int = 3  # looked beside in a round: with fewer a near twin is missed
     rounds: int = 4  # most of them
+    # Of a long record: probes of a cause, and errors over the stated ones down to which a look
+    # beside a leader has shown what leads: a gain that counts there is of two stated errors.
+    likeliest: int = 4
+    looked: float = 0.5
     most_fits: int = 250  # after which none is looked beside: a pair takes 160
     most_causes: int = 3  # of a model
     near: float = 6.0  # log posterior odds within which models are refined

@@ -41,11 +41,6 @@ from stickslip.diagnosis.fitting.responses import USUAL, Probe, Response, respon
 from stickslip.diagnosis.fitting.starts import first_looks, looked, seen_in, separated, softened
 from stickslip.diagnosis.terms.cause import Cause
 
-# Part of the stated errors down to which a look beside a leader has shown what leads: a gain that
-# counts there is of two errors with the errors as stated. Chosen.
-_HALF = 0.5
-_LIKELIEST = 4  # probes of a cause beside a leader of a long record; chosen
-
 Progress = Callable[[float, str], None]
 """``progress(fraction, stage)`` is told the fraction that is done and what comes next."""
 
@@ -365,7 +360,7 @@ def _leaves_too_little(models: Models, leader: Fit) -> bool:
     plain, problem = models.get(leader.names), models.problem
     if plain is None:
         return False
-    if leader.form == "white" and leader.sizes["kappa"] > _HALF and len(problem.y) >= MANY:
+    if leader.form == "white" and leader.sizes["kappa"] > SEARCH.looked and len(problem.y) >= MANY:
         return True  # as with the errors as stated, which are the same but for a factor
     p_value = lack_of_fit(problem, plain.chi2, len(problem.y) - len(plain.free))
     explains = len(leader.causes) > 1 and p_value >= SEARCH.explains
@@ -429,7 +424,7 @@ def _likeliest(
     metric = Softened(short, left)
     for response in responses(short, there, rest, offered, metric, np.zeros(0), sizes, True):
         likely.setdefault(response.cause.name, []).append(response.probe)
-    return [probe for probes in likely.values() for probe in probes[:_LIKELIEST]]
+    return [probe for probes in likely.values() for probe in probes[: SEARCH.likeliest]]
 
 
 def _may_improve(
