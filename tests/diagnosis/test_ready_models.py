@@ -749,7 +749,7 @@ BAD = {
     "a negative constant": (lambda: models.axis(mass=-1.0), "mass = -1.0: allowed is a value"),
     "a negative size": (lambda: models.joint(inertia=1.0, viscous=-1.0), "viscous = -1.0.*from 0"),
     "no number": (lambda: models.joint(inertia="1 kg"), 'joint: inertia = "1 kg": allowed is'),
-    "no error": (lambda: models.joint(inertia=(1.0, 0.0)), "joint: inertia: sd = 0"),
+    "no error": (lambda: models.joint(inertia=(1.0, 0.0)), "joint: inertia: mean = 1.*sd = 0"),
     "no reading": (lambda: models.axis(mass=1.0, reads="angle"), "reads = .angle.*position or"),
     "a text": (lambda: models.axis(mass=1.0, without="load"), "without = .load.: allowed is"),
     "no such cause": (
