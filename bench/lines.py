@@ -27,7 +27,7 @@ WINGS = {
     "common": (_package(r"_util/.*|errors"), 3_100),
     "simulator": (_package(r"(scenario|field|simulation|sweeping|plot)/.*"), 9_000),
     "applications": (_package(r"(design|control|reproduction)/.*"), 4_150),
-    "diagnosis": (_package(r"diagnosis/.*"), 11_200),
+    "diagnosis": (_package(r"diagnosis/.*"), 11_230),
     "machines": (rf"{_package(r'models/.*')}|cpp/machines/.*\.[hc]pp", 2_950),
     "walker": (_package(r"walker/.*"), 5_180),
     "command": (_package(r"cli/.*|(?!errors)\w+"), 2_400),

@@ -402,6 +402,35 @@ def test_the_time_of_an_edge_is_no_finer_than_the_readings():
     assert found.params.loc["step.height", "sd"] < 0.001
 
 
+def test_a_long_record_beside_short_ones_is_tested_as_of_few_readings(monkeypatch):
+    of = random(11)
+    logs = [Series(STEP * np.arange(n), of.standard_normal(n), {"u": of.uniform(size=n)}, name=name)
+            for name, n in {"long": 4100, "a": 20, "b": 20, "c": 20}.items()]  # fmt: skip
+    level = Parameter("level", Prior("normal", 0.0, 0.1), cause=False)
+    sizes = [Parameter(f"c{k}", size=0.1, low=-3.0, high=3.0) for k in range(24)]
+
+    def model(record, p):
+        waves = (p[each.name] * np.sin((k + 2.0) * record["u"]) for k, each in enumerate(sizes))
+        return p["level"] + sum(waves)
+
+    tests = []
+    for is_long in (True, False):
+        monkeypatch.setattr(Problem, "is_long", is_long)
+        causes = [Cause(each.name, each) for each in sizes]
+        tests.append(diagnose_model(model, logs, [level], causes).findings.test)
+    assert tests[0].p_value == pytest.approx(tests[1].p_value, abs=0.05)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_model_that_diverges_at_a_trial_point_is_no_fault_of_a_long_record():
+    t = np.arange(4100.0)
+    log = Series(t, np.exp(1e-3 * t) + 0.1 * random(1).standard_normal(len(t)), sd=0.1)
+    uncertain = [Parameter("a", Prior("normal", 1.0, 0.1), cause=False),
+                 Parameter("rate", Prior("normal", 1e-3, 0.02), cause=False)]  # fmt: skip
+    found = diagnose_model(lambda s, p: p["a"] * np.exp(p["rate"] * s["t"]), log, uncertain, [])
+    assert found.verdict.kind == "none"
+
+
 def test_a_search_of_a_long_record_begins_with_its_first_readings(monkeypatch):
     count, of = 4500, random(7)
     t, u = STEP * np.arange(count), of.uniform(-1.0, 1.0, count)
@@ -420,8 +449,7 @@ def test_a_search_of_a_long_record_begins_with_its_first_readings(monkeypatch):
     assert short == [2000, count]
     found = diagnose_model(line, log, [slope], causes)
     monkeypatch.setattr("stickslip.diagnosis.model._FIRST", count)
-    for where in ("fitting.problem", "fitting.models", "fitting.forms", "decision.misfit_test"):
-        monkeypatch.setattr(f"stickslip.diagnosis.{where}.MANY", 2 * count)  # as of few readings
+    monkeypatch.setattr(Problem, "is_long", False)
     whole = diagnose_model(line, log, [slope], causes)
     assert found.verdict.causes == whole.verdict.causes == ("bend",)
     for names in ((), ("bend",), ("on",)):

@@ -238,13 +238,16 @@ def _words(predict: Predict, constants: Sequence[Parameter]) -> Vocabulary:
 
 
 def _free(constant: Parameter, value: float | None) -> Parameter:
-    """A shared constant, which is no cause: as stated about a known value, or else wider."""
+    """A shared constant, which is no cause: as stated about a known value, or else wider.
+
+    One that is uniform stays so.
+    """
     prior = constant.prior
     assert prior is not None
-    if value is not None:
-        known = replace(prior, first=value) if prior.has_middle else prior
-        prior = Prior("log-normal", value, _FACTOR) if prior.kind == "log-uniform" else known
-    elif prior.has_middle:
+    if value is not None and prior.kind != "uniform":
+        known = replace(prior, first=value) if prior.has_middle else None
+        prior = known or Prior("log-normal", value, _FACTOR)
+    elif value is None and prior.has_middle:
         wider = _RELAXED * prior.second if prior.kind == "normal" else prior.second**_RELAXED
         prior = replace(prior, second=wider)
     return replace(constant, prior=prior, cause=False)

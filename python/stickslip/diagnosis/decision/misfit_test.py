@@ -7,6 +7,7 @@ same noise, so that twice the smaller p-value would be too cautious.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import Counter
 from collections.abc import Sequence
@@ -18,7 +19,7 @@ from scipy.stats import chi2, rankdata
 from stickslip._util.arrays import Array
 from stickslip.diagnosis.fitting.descent import run_batched
 from stickslip.diagnosis.fitting.models import Fit, minimise
-from stickslip.diagnosis.fitting.problem import MANY, Problem, lack_of_fit
+from stickslip.diagnosis.fitting.problem import Problem, lack_of_fit
 from stickslip.diagnosis.fitting.responses import Response
 from stickslip.diagnosis.fitting.search import Models
 
@@ -128,13 +129,13 @@ def tested(problem: Problem, null: Fit, responses: list[Response], seed: int) ->
     p, one_each = len(null.free), list({each.cause.name: each for each in responses}.values())
     lower, rows, spare = np.linalg.cholesky(null.precision), problem.rows, [0] * len(problem.rows)
     parts = [null.slopes, *(each.tried.T for each in one_each), null.residual[:, None]]
-    if len(problem.y) < MANY or any(errors.covariance is not None for errors in problem.errors):
+    if not problem.is_long or any(errors.covariance is not None for errors in problem.errors):
         whitened = np.hstack([problem.whitened(part) for part in parts])
     else:
         roots = [_root(problem, parts, of) for of in rows]
-        whitened, k = np.vstack(roots), len(roots[0])
-        spare = [max(of.stop - of.start - k, 0) for of in rows]
-        rows = [slice(k * table, k * (table + 1)) for table in range(len(rows))]
+        whitened, ends = np.vstack(roots), np.cumsum([0, *map(len, roots)]).tolist()
+        spare = [of.stop - of.start - len(root) for of, root in zip(rows, roots, strict=True)]
+        rows = [slice(*pair) for pair in itertools.pairwise(ends)]
     n, basis = len(whitened), np.linalg.qr(np.vstack([whitened[:, :p], lower.T]))[0]
     residual = np.concatenate([whitened[:, -1], -lower.T @ null.x[null.free]])
     # Effects of causes on the rows, and of relaxed constants on their prior.
@@ -184,9 +185,9 @@ def tested(problem: Problem, null: Fit, responses: list[Response], seed: int) ->
 
 
 def _root(problem: Problem, parts: Sequence[Array], rows: slice) -> Array:
-    """As many rows as columns of all parts, (n, k) each, with their inner products over `rows`.
+    """R of the whitened columns of all parts, (n, k) each, over `rows`: R'R is their Gram matrix.
 
-    Of many readings these alone count.
+    It has as many rows as columns, or as readings where these are fewer.
     """
     count = sum(part.shape[1] for part in parts)
     gram, step = np.zeros((count, count)), max(_AT_ONCE // count, 1)
@@ -196,7 +197,8 @@ def _root(problem: Problem, parts: Sequence[Array], rows: slice) -> Array:
         gram += some.T @ some
     size = np.sqrt(np.diag(gram)) + (np.diag(gram) == 0.0)
     values, axes = np.linalg.eigh(gram / np.outer(size, size))
-    return np.asarray((axes * np.sqrt(np.maximum(values, 0.0))).T * size)
+    root = (axes * np.sqrt(np.maximum(values, 0.0))).T * size
+    return np.asarray(root[-min(count, rows.stop - rows.start) :])  # the largest come last
 
 
 def _shares(values: Array, observed: float) -> tuple[Array, float]:

@@ -31,7 +31,7 @@ from scipy.special import gammaln
 from stickslip._util.arrays import Array, Indices
 from stickslip.diagnosis.data.errors import Errors
 from stickslip.diagnosis.data.table import Table
-from stickslip.diagnosis.fitting.problem import LOST, MANY, Problem
+from stickslip.diagnosis.fitting.problem import LOST, Problem
 
 PRIOR = {"exact": 1 / 2, "white": 1 / 6, "ar1": 1 / 6, "smooth": 1 / 6}
 """Prior probabilities of the forms. Chosen; between 0.1 and 0.99 for exact hardly a verdict of the
@@ -306,7 +306,7 @@ class Correlated(Form):
         return whitened
 
     def gram(self, prepared: Any, h: Array) -> Array:
-        if self.n < MANY:
+        if not self.problem.is_long:
             whitened = self._whitened(prepared, h)
             return np.asarray(whitened.T @ whitened)
         # All errors larger by a factor are the same inner product: of many rows it is kept.

@@ -31,8 +31,8 @@ _AT_MINIMUM = 0.3
 # and the promised fall of the loss that ends them; the least curvature that is believed; and the
 # loss where the likelihood is none. Chosen: far below what a lead counts.
 _STEP_H, _NEWTON, _LONGEST_H, _SETTLED_H, _FLAT, _IMPOSSIBLE = 0.05, 12, 2.0, 0.01, 0.05, 1e12
-# Parts of many rows that tell in turn where hyperparameters begin, so many neighbours and a gap.
-# Chosen.
+# First guesses of the hyperparameters of a long record come from each hundredth, then each tenth
+# block of so many readings. Chosen.
 _THIN, _TOGETHER = (100, 10), 20
 
 
@@ -184,7 +184,7 @@ def linear(problem: Problem, form: Form, causes: Sequence[Cause], end: End) -> F
     """A fit that stays where it is, with the evidence of the linear model there."""
     causes, h = tuple(sorted(causes, key=lambda cause: cause.name)), form.begin(end.residual)
     for thin in _THIN:
-        if isinstance(form, Correlated) and form.n >= max(_TOGETHER * thin**2, MANY):
+        if isinstance(form, Correlated) and problem.is_long and form.n >= _TOGETHER * thin**2:
             part = form.of_rows(np.flatnonzero(np.arange(form.n) % (_TOGETHER * thin) < _TOGETHER))
             h = evidence(problem, part, causes, end, h)[0]
     return _fit(problem, form, causes, end, h)[0]
@@ -264,7 +264,9 @@ def evidence(
                 return np.concatenate([loss(point[None]) for point in points])
             return np.where(np.isfinite(losses), losses, _IMPOSSIBLE)
 
-        step = _STEP_H * math.sqrt(min(MANY / form.n, 1.0))  # what is open, of many readings less
+        step = _STEP_H  # of a long record the likelihood narrows as 1/sqrt(n)
+        if problem.is_long:
+            step *= math.sqrt(min(MANY / form.n, 1.0))
         h, second = _minimum(loss, np.clip(h, low, high), low, high, step)
         # At the edge of a range the curvature says little: no more than the prior is left open.
         scale = np.maximum(np.linalg.eigvalsh(second), 1.0 / np.max(sd) ** 2)

@@ -37,8 +37,8 @@ class Search:
     # Rounds beside leaders.
     leaders: int = 3  # looked beside in a round: with fewer a near twin is missed
     rounds: int = 4  # most of them
-    # Of a long record: probes of a cause, and errors over the stated ones down to which a look
-    # beside a leader has shown what leads: a gain that counts there is of two stated errors.
+    # Of a long record: probes of a cause beside a leader, and the factor of the stated errors above
+    # which a second look beside it finds nothing new: a gain that counts is of two such errors.
     likeliest: int = 4
     looked: float = 0.5
     most_fits: int = 250  # after which none is looked beside: a pair takes 160

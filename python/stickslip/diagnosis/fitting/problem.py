@@ -45,11 +45,12 @@ _FAR_OUT, _UNLIKELY = 4.5, 3.0
 """Largest coordinate that a scan reaches: of an amplitude beyond the largest error that is
 searched, of a shape where its prior leaves out one in 400. Chosen."""
 
-HUGE = 1e100
-"""Size of a prediction beyond which it is as good as none: its square overflows."""
+HUGE, HUGE_SINGLE = 1e100, 1e30
+"""Size of a prediction beyond which it is as good as none, as its square overflows, and in single
+precision, where slopes do."""
 
 MANY = 4000
-"""Rows from which on memory counts. Chosen."""
+"""Readings from which on a record is long: time and memory count. Chosen."""
 
 _MOST_PREDICTED = 1 << 20  # numbers of predictions at once: 8 MiB; chosen
 
@@ -157,9 +158,18 @@ class Problem(OneLine):
         return max(_MOST_PREDICTED // max(len(self.y), 1), 1)
 
     @property
+    def is_long(self) -> bool:
+        return len(self.y) >= MANY
+
+    @property
     def kept(self) -> Any:
-        """Numbers in which effects and slopes are kept: of many rows half as long."""
-        return np.float32 if len(self.y) >= MANY else np.float64
+        """Float type of stored effects and slopes: single precision for a long record."""
+        return np.float32 if self.is_long else np.float64
+
+    @cached_property
+    def nulls(self) -> dict[int, Any]:
+        """Recalibrated models by seed, as `starts.recalibrated` finds them."""
+        return {}
 
     @cached_property
     def oscillatory(self) -> Mask:
@@ -342,7 +352,7 @@ class Problem(OneLine):
         model = self.low_fidelity if cheap and self.low_fidelity is not None else self.model
         with np.errstate(over="ignore", invalid="ignore"):
             predicted = model(self.physical(x))
-            lost = ~(np.abs(predicted) < HUGE)
+            lost = ~(np.abs(predicted) < (HUGE_SINGLE if self.is_long else HUGE))
             residual = np.subtract(self.y, predicted, out=predicted)
         return np.where(lost, LOST * self.sd, residual) if lost.any() else residual
 

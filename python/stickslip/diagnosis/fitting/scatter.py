@@ -15,7 +15,7 @@ from stickslip.diagnosis.data.series import SMOOTH
 from stickslip.diagnosis.fitting.descent import End, end_at, precision_of, refine, run_batched
 from stickslip.diagnosis.fitting.forms import Exact
 from stickslip.diagnosis.fitting.options import SEARCH
-from stickslip.diagnosis.fitting.problem import Problem
+from stickslip.diagnosis.fitting.problem import LOST, Problem
 from stickslip.diagnosis.fitting.responses import Response, responses
 from stickslip.diagnosis.fitting.starts import recalibrated, seen_in, separated
 
@@ -59,7 +59,7 @@ def with_scatter(problem: Problem, seed: int) -> Problem:
     ends = sorted(run_batched(short, looks), key=lambda end: end.cost)
     starts = [*(end.x for end in ends[: _FOLLOWED - 1]), null.x]
     # On all readings of a long record what is left is known after a step.
-    begin, last = None, _STEPS if short is problem else 1
+    begin, is_long, last = None, short is not problem, _STEPS if short is problem else 1
     for steps in (_LOOK, _STEPS) if short is not problem else ():
         walks = [refine(short, form, h, problem.causes, x, steps=steps) for x in starts]
         starts = [min(run_batched(short, walks), key=lambda end: end.cost).x]
@@ -69,7 +69,8 @@ def with_scatter(problem: Problem, seed: int) -> Problem:
             walks = [refine(problem, form, h, problem.causes, x, steps=last, begin=begin)
                      for x in starts]  # fmt: skip
             best = min(run_batched(problem, walks), key=lambda end: end.cost)
-            begin = best if last == 1 else None
+            # Marks of lost rows are in errors that change.
+            begin = best if is_long and not (best.residual == LOST * problem.sd).any() else None
             starts, spent = [best.x], _parameters(problem, form, best)
             problem = _scattered(problem, unknown, best.residual, spent)
         rougher = [k for k in curves if k not in unknown and _size(problem, k, best.residual, spent)

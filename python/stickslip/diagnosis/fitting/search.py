@@ -36,7 +36,7 @@ from stickslip.diagnosis.fitting.models import (
     sharpened,
 )
 from stickslip.diagnosis.fitting.options import DESCENT, SEARCH
-from stickslip.diagnosis.fitting.problem import MANY, Problem, lack_of_fit
+from stickslip.diagnosis.fitting.problem import Problem, lack_of_fit
 from stickslip.diagnosis.fitting.responses import USUAL, Probe, Response, responses
 from stickslip.diagnosis.fitting.starts import first_looks, looked, seen_in, separated, softened
 from stickslip.diagnosis.terms.cause import Cause
@@ -197,7 +197,8 @@ def search(
         say(0.3 + 0.5 * turn / SEARCH.rounds, "comparing models")
         new = [fit for fit in _worth_a_look(models)
                if fit.log_evidence > done.get(fit.names, -math.inf) + SEARCH.better
-               and not (fit.names in done and _leaves_too_little(models, fit))]  # fmt: skip
+               and not (fit.names in done and (_differs_by_a_factor(models.problem, fit)
+                                               or _leaves_too_little(models, fit)))]  # fmt: skip
         # Where the best model leaves ten errors in each row, few looks beside others explain more.
         reaches = models.reaches
         new = new if reaches else [fit for fit in new if fit is new[0] or len(fit.causes) > 1][:2]
@@ -360,11 +361,15 @@ def _leaves_too_little(models: Models, leader: Fit) -> bool:
     plain, problem = models.get(leader.names), models.problem
     if plain is None:
         return False
-    if leader.form == "white" and leader.sizes["kappa"] > SEARCH.looked and len(problem.y) >= MANY:
-        return True  # as with the errors as stated, which are the same but for a factor
     p_value = lack_of_fit(problem, plain.chi2, len(problem.y) - len(plain.free))
     explains = len(leader.causes) > 1 and p_value >= SEARCH.explains
     return explains or plain.cost + 2.0 * math.log(2.0) < _least_fall(models, leader)
+
+
+def _differs_by_a_factor(problem: Problem, leader: Fit) -> bool:
+    """Whether a first look, with the stated errors, has seen what one with other ones would."""
+    white = leader.form == "white" and leader.sizes["kappa"] > SEARCH.looked
+    return problem.is_long and white
 
 
 def _look_beside(models: Models, leader: Fit) -> None:

@@ -40,9 +40,9 @@ def recalibrated(problem: Problem, seed: int) -> tuple[Fit, list[End]]:
     Where the first starts end with a misfit, others from a second scan follow, of all strata of the
     constants that are known in range only: a wrong minimum would be taken for a hidden cause.
     """
-    known: dict[int, tuple[Fit, list[End]]] = vars(problem).setdefault("_recalibrated", {})
-    if seed in known:
-        return known[seed]
+    if seed in problem.nulls:
+        best, ends = problem.nulls[seed]
+        return best, [*ends]
     whole, problem = problem, problem.short
     exact = forms(problem, ["exact"])["exact"]
     count = SEARCH.scan if len(problem.constants) > 1 else SEARCH.scan // 4
@@ -56,8 +56,8 @@ def recalibrated(problem: Problem, seed: int) -> tuple[Fit, list[End]]:
     if whole is not problem:
         exact = forms(whole, ["exact"])["exact"]
         best = finished(whole, minimise(whole, exact, (), best.x))
-    known[seed] = best, ends
-    return known[seed]
+    whole.nulls[seed] = best, tuple(ends)
+    return best, ends
 
 
 def _descended(problem: Problem, exact: Form, starts: Sequence[Array]) -> tuple[Fit, list[End]]:
