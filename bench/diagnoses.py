@@ -37,7 +37,7 @@ def _log(count: int) -> Asked:
 
 def _walker(changes: dict[str, float], bent: float) -> Asked:
     """Three trials of each of 34 drives of a robot that is other than stated, or off by a wave."""
-    # Here, as they count as memory of a log's diagnosis else.
+    # Imported here: else they count as memory of a log's diagnosis.
     from blind.settings import PULSES
     from causes.walkers import FLOOR, SCATTER, STATED, TRIALS
 

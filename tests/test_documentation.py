@@ -241,9 +241,10 @@ def measured_words():
     counts_of_logs = [
         f"Of {len(logs['clean'])} more with nothing hidden it claims a cause in"
         f" {claims_of(logs['clean'])} (commit `{logs['clean'][0]['state']['commit']}`)",
-        f"Of {len(servos[0])} servos with a hidden cause {servos[0].count('right name')} get its"
-        f" name and {servos[0].count('right set')} a set of at most three, and"
-        f" {servos[0].count('wrong name') or 'none'} another; of {len(servos[1])} without one"
+        f"Of {len(servos[0])} servos with a hidden cause {servos[0].count('right name')} are named,"
+        f" {servos[0].count('right set')} are in a set of at most three, and"
+        f" {servos[0].count('wrong name') or 'none'} gets another name; of {len(servos[1])} without"
+        " one"
         f" {claims_of(row for row in logs['servo'] if not row['cause'])} is claimed (commit"
         f" `{logs['servo'][0]['state']['commit']}`)",
         f"Of {len(wrong)} logs in a unit that nobody stated,"

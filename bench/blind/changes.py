@@ -211,8 +211,8 @@ def _bic(found: Diagnosis) -> list[str]:
 def answer(row: Row, whose: str = "causes") -> Answer:
     """What is said beside what is hidden; what both sides have is no difference.
 
-    Without one any verdict but `none`, and what both sides have, says a change; so does what is
-    unexplained, but with other inputs, where it is told as what both sides may have.
+    Without one any verdict but `none` counts as a change, but what both sides have, and what is
+    unexplained with other inputs: of that the verdict says that both sides may have it.
     """
     said = [name for name in row[whose] if "[" in name]
     verdict = row["verdict"] if whose == "causes" else "named" if said else "none"
@@ -247,4 +247,7 @@ def table(rows: list[Row]) -> str:
     ratio = [row["seconds"] / row["seconds_of_one"] for row in rows]
     whole = sum(row["seconds"] for row in rows) / sum(row["seconds_of_one"] for row in rows)
     cost = f"CPU of a pair over that of one log: median {np.median(ratio):.2f}, of all {whole:.2f}."
-    return f"{scores.table(of_all)}\n\n{markdown(heads, found)}\n\n{len(rows)} pairs. {cost}"
+    open_ = sum(row["verdict"] == "unexplained" and not row["change"] for row in rows)
+    beside = f"{open_} pairs without a difference are unexplained: both sides may have an error."
+    parts = scores.table(of_all), markdown(heads, found), f"{len(rows)} pairs. {beside} {cost}"
+    return "\n\n".join(parts)

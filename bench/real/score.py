@@ -237,6 +237,7 @@ def by_tool(rows: Iterable[Mapping[str, Any]]) -> str:
                 said.setdefault((row["listed"], tool), []).append(word)
     counts = {key: [sum(word.startswith(of) for word in words) for of in _WORDS.values()]
               for key, words in said.items()}  # fmt: skip
+    assert all(sum(counts[key]) == len(words) for key, words in said.items())
     lines = [(listed, tool, sum(found), *(share(each, sum(found)) for each in found))
              for (listed, tool), found in sorted(counts.items(), reverse=True)]  # fmt: skip
     return markdown(";".join(("cause listed", "by", "sets", *_WORDS)), lines)

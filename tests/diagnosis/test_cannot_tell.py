@@ -1,4 +1,4 @@
-"""Limits of the data: made sets, of which is known what they cannot tell."""
+"""Limits of the data, on made sets whose limits are known."""
 
 import sys
 from pathlib import Path
