@@ -115,9 +115,12 @@ def test_the_command_tells_them(tmp_path):
     text = stickslip("coils", tmp_path / "s.toml", *more, "--plot", picture).stdout
     assert text.startswith("xp xm yp ym\n")
     assert "\nclamp\n" in text
+    assert text.count("\nnote: ") == 1
     assert "\nnote: coil.clamp.inductance = 0.07 H" in text
     assert picture.stat().st_size > 10_000
-    told = json.loads(stickslip("coils", tmp_path / "s.toml", *more, "--json").stdout)["coils"]
+    found = json.loads(stickslip("coils", tmp_path / "s.toml", *more, "--json").stdout)
+    (note,), told = found["notes"], found["coils"]
+    assert (note["code"], note["value"]) == ("inductance", 0.07)
     expected = coil_facts(Scenario().replace(OWN), 24.0, 2.0)
     assert {name: told[name]["most_field"] for name in told} == {
         name: facts.most_field for name, facts in expected.items()

@@ -10,8 +10,8 @@ from reference import eight_corners
 from reference.cone import solve_cone
 from reference.corner_contact import new_memory
 from reference.corner_step import new_motion
-from reference.drive import Voltages
-from reference.heading import constant, heading_voltages
+from reference.drive import Voltages, voltages_of
+from reference.heading import Heading, constant, heading_voltages
 from reference.simulate import CONTACT_DEFAULTS
 from reference.steering_table import FAST_OPP, FILE, IPP, OPP, SLOW, rows
 from reference.walk import WHOLE_EDGES, block_of, run_corners, walk
@@ -55,6 +55,22 @@ def test_cone_conditions_hold_for_random_bodies():
         assert np.sum(tangential * slip, axis=1) == pytest.approx(
             -limit * np.hypot(*slip.T), abs=1e-6
         )
+
+
+def test_voltages_follow_a_heading_that_turns():
+    turn = Heading((0.1, 0.13), (0.0, np.radians(90.0)))
+    volts, planar = heading_voltages(IPP, turn), voltages_of(IPP)
+    t = np.linspace(0.001, 0.24, 1234)
+
+    def at(program):
+        k = np.searchsorted(program.start, t, side="right") - 1
+        return program.level[k] + program.slope[k] * (t - program.start[k])[:, None]
+
+    # Of the two coils of an axis, alike, the sum makes the field.
+    found = np.stack([at(volts)[:, :2].sum(axis=1), at(volts)[:, 2:4].sum(axis=1)], axis=1)
+    expected = at(planar)[:, :1] * np.stack([np.cos(turn(t)), np.sin(turn(t))], axis=1)
+    # Sawtooth and heading both change between two points: a quarter of the product of the changes.
+    assert found == pytest.approx(expected, abs=3e-5 * np.abs(expected).max())
 
 
 def _at_rest(block, seconds):

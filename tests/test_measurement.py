@@ -287,5 +287,7 @@ def test_a_prior_and_its_coordinate_are_inverse(prior, middle):
         assert math.isclose(prior.coordinate(float(prior.value(z))), z, abs_tol=1e-9)
     if not prior.has_middle:
         near, low, high = 0.01 * abs(prior.first), prior.first, prior.second
+        ends = [prior.coordinate(end) for end in (min(low - 1.0, -1.0), low, high)]
+        assert ends == [-5.0, -5.0, 5.0]
         assert low <= prior.value(-50.0) < low + near
         assert high - near < prior.value(50.0) <= high

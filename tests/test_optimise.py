@@ -1,6 +1,7 @@
 """Design of drives: known optima, limits in every draw, seeds, the reference sawtooth, Ctrl-C."""
 
 import sys
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -302,11 +303,24 @@ def test_a_drive_beyond_its_limits_is_never_written_without_saying_so(few, tmp_p
     assert head.startswith("# beyond the limits in ")
     assert found.run.scenario.get("coil.resistance") == 10.0
     headline = found.summary().partition("\n")[0]
-    assert headline.startswith("the best does not hold")
+    assert headline.startswith("the best breaks a limit: beyond the limits in ")
     for name, row in found.table.iterrows():
         assert (f"{name} ({row['score']:.6g})" in headline) == (row["exceeding"] == 0)
     for text in (headline, found.as_dict()["beyond_limits"], head):
         assert told in text
+    # Beyond it in the one run alone, which is at 12 ohm as the file states.
+    within = found.table.assign(exceeding=0)
+    headline = replace(found, run=simulate(found.scenario), table=within).summary()
+    headline = headline.partition("\n")[0]
+    assert "in the run at the scenario's own values (the middles together make no" in headline
+    assert "fresh draws: start (" in headline
+    assert "best (" not in headline
+
+
+def test_a_run_is_at_the_values_of_the_scenario_where_the_middles_make_none():
+    middles = {"contact.kinetic_friction": 0.19, "contact.static_friction": 0.18}
+    priors = {key: {"mean": middle, "sd": 0.01} for key, middle in middles.items()}
+    assert module._at_middle(START.with_uncertain(priors)) == START.with_uncertain(priors)
 
 
 def test_the_score_is_that_of_the_scenario_that_is_found(few):

@@ -97,22 +97,25 @@ def test_a_run_and_a_sweep_take_the_values_of_the_keys():
 
 
 @pytest.mark.parametrize(
-    ("prior", "far"),
+    ("key", "prior", "far"),
     [
-        (Prior("normal", 0.3, 0.03), True),  # of the default, 0.2
-        (Prior("normal", 0.21, 0.01), False),
-        (Prior("log-normal", 0.35, 1.2), True),
-        (Prior("uniform", 0.25, 0.4), True),
-        (Prior("uniform", 0.0, 0.4), False),
-        (Prior("log-uniform", 0.25, 0.4), True),
+        ("contact.static_friction", Prior("normal", 0.3, 0.03), True),  # of the default, 0.2
+        ("contact.static_friction", Prior("normal", 0.21, 0.01), False),
+        ("contact.static_friction", Prior("log-normal", 0.35, 1.2), True),
+        ("contact.static_friction", Prior("uniform", 0.25, 0.4), True),
+        ("contact.static_friction", Prior("uniform", 0.0, 0.4), False),
+        ("contact.static_friction", Prior("uniform", 0.2, 0.4), False),  # its ends are in it
+        ("contact.static_friction", Prior("uniform", 0.199, 0.4), False),
+        ("contact.static_friction", Prior("log-uniform", 0.25, 0.4), True),
+        ("effects.surface_tilt.angle", Prior("uniform", 0.0, 0.001), False),  # 0
     ],
 )
-def test_a_run_notes_a_value_that_was_left_far_from_its_prior(prior, far):
-    given = Scenario(uncertain=JointPrior({"contact.static_friction": prior}))
+def test_a_run_notes_a_value_that_is_far_from_its_prior(key, prior, far):
+    given = Scenario(uncertain=JointPrior({key: prior}))
     notes = simulate(given.replace({"drive.pulses": 2})).notes
     found = [note for note in notes if note.code == "prior"]
-    assert [note.value for note in found] == [given.contact.static_friction] * far
-    assert all(f"set it to {float(prior.value(0.0)):g}" in note.text for note in found)
+    assert [note.value for note in found] == [given.get(key)] * far
+    assert all(note.text.endswith(f"set {key} = {float(prior.value(0.0)):g}") for note in found)
 
 
 def test_a_draw_is_the_same_however_many_there_are():

@@ -84,9 +84,12 @@ def test_a_unit_is_named_where_a_laboratory_has_one():
         ({"coil.side": 60.0}, "unit-length", "coil.side", "in mm?"),
         ({"coil.inductance": 25.0, "coil.turns": 300.0}, "unit-inductance", "inductance", "in mH?"),
         ({"coil.inductance": 0.07, "coil.turns": 200.0, "coil.side": 0.08}, "inductance",
-         "coil.inductance = 0.07 H is that of Table I", "some 0.0062 H; state coil.inductance"),
+         "coil.inductance = 0.07 H is Table I's, but the turns",
+         "about 0.0062 H. State coil.inductance and coil.resistance"),
         ({"coil.inductance": 0.02, "coil.turns": 280.0, "coil.clamp.turns": 700.0}, "inductance",
-         "coil.clamp.inductance = 0.02 H is that of all coils", "some 0.12 H; state coil.clamp"),
+         "coil.clamp.inductance = 0.02 H is that of all coils", "about 0.12 H. State coil.clamp"),
+        ({"coil.inductance": 20.0, "coil.turns": 300.0, "coil.clamp.turns": 500.0},
+         "unit-inductance", "coil.inductance = 20 H", "in mH?"),
         ({"drive.frequency": 0.1}, "unit-time", "drive.frequency = 0.1", "in kHz?"),
         ({"drive.frequency": 0.1, "coil.inductance": 5e-324}, "unit-time", "lasts 10 s", "kHz?"),
         ({"drive.latency": 5.0}, "unit-time", "drive.latency = 5 s", "in ms?"),
@@ -116,6 +119,7 @@ def test_a_value_in_another_unit_gets_one_note(changes, code, key, unit):
         {"drive.latency": 0.5},
         {"coil.inductance": 1.0},  # with iron
         {"coil.turns": 560.0, "coil.clamp.turns": 570.0},
+        {"coil.inductance": 0.0242, **{f"coil.{name}.turns": 300.0 for name in COIL_NAMES}},
         {"coil.inductance": 1.0, "coil.resistance": 0.2, "drive.frequency": 0.01},  # L/R of 5 s
     ],
 )

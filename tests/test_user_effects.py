@@ -9,7 +9,6 @@ import shlex
 import signal
 import subprocess
 import threading
-import time
 from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
@@ -362,16 +361,21 @@ def test_a_force_that_breaks_a_long_rest_for_a_moment_is_not_overlooked():
 
 
 def test_rest_under_an_effect_can_be_stopped():
-    # Hours of rest in one segment, looked at every fraction of a millisecond.
+    # Hours of rest in one segment, looked at every fraction of a millisecond. How far it came is
+    # written down, as a limit on the clock would be that of one machine.
+    copy, reached = ctypes.CDLL(None).memcpy, ctypes.c_double()
+    copy.argtypes = ctypes.c_size_t, ctypes.POINTER(ctypes.c_double), ctypes.c_size_t
+    copy.restype, place = ctypes.c_size_t, ctypes.addressof(reached)
+
     @cfunc(SIGNATURE)
     def none(state, parameters, wrench):
+        copy(place, state, 8)
         wrench[0] = wrench[1] = wrench[2] = 0.0
 
     register(none)
     timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
     timer.start()
-    begun = time.process_time()
     with pytest.raises(KeyboardInterrupt):
         simulate(scenario(STILL, {"drive.ramp": 1e4, "effects.own.k": 1.0}))
-    assert time.process_time() - begun < 3.0  # s; all of it takes 8
+    assert 0.0 < reached.value < 5e3  # s, of 1e4
     timer.join()

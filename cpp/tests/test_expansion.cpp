@@ -116,6 +116,24 @@ TEST_CASE("local field: within 1e-9 of the full sum inside its reach") {
     CHECK(worst_field < 1e-9);
 }
 
+TEST_CASE("local field: in the working volume the gradient is within 1e-8") {
+    // Of 2.5 cm, section IV-B. By the bound above (1.5e-4/0.103)^3 = 3e-9 of B/rho, times 4 and the
+    // constants; a coil's gradient is 2.3 to 3 B/rho there.
+    Random random(3);
+    for (int n = 0; n < 1000; ++n) {
+        const PerCoil currents = random_currents(random);
+        LocalField field(paper_coils(), all_driven());
+        field.set_segment(steady(currents));
+        const double x = random.between(-0.0125, 0.0125), z = random.between(-0.0125, 0.0125);
+        field.rebase({x, z});
+        const double step = LocalField::kReach * std::numbers::sqrt2 / 2.0;
+        const FullSum full = full_sum(currents, x + step, z - step);
+        const PlanarField found = far_value(field, x + step, z - step);
+        CHECK(gradient_difference(found, full.field) < 1e-8 * full.gradient_size);
+        CHECK(field_difference(found, full.field) < 1e-11 * full.field_size);
+    }
+}
+
 TEST_CASE("local field: about a near centre two orders are left out") {
     Random random(6);
     for (int n = 0; n < 1000; ++n) {

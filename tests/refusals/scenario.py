@@ -363,6 +363,8 @@ REFUSALS = [
     ("uncertain", {"drive.peak": {"mean": 1e-3, "sd": 1e-4}}, "constant of the model"),
     ("uncertain", {"drag.linear": {"mean": 1.0}}, "allowed is { mean, sd }"),
     ("uncertain", {"robot.mass": {"mean": -1.0, "sd": 1.0}}, "allowed is a number from"),
+    ("uncertain", {"drag.linear": {"min": -1e308, "max": 1e308}}, "allowed is a finite width"),
+    ("uncertain", {"drag.linear": {"low": 0.0, "high": 1.0}}, 'or Prior("uniform", min, max)'),
     ("uncertain", {"covariance": 3}, "allowed is a section"),
     ("uncertain", {"covariance": {"key": TWO}}, "with keys and matrix"),
     ("uncertain", {"covariance": {"keys": TWO}}, "with keys and matrix"),

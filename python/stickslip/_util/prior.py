@@ -34,9 +34,9 @@ class Prior:
     ----------
     kind : {"normal", "log-normal", "uniform", "log-uniform"}
     first, second : float
-        Mean and standard deviation; median and factor (one standard deviation is this factor); low
-        and high end, of both ranges. In the parameter's unit, except the factor; both have to be
-        given.
+        Mean and standard deviation; median and factor (one standard deviation is this factor); the
+        two ends of a uniform or log-uniform range. In the parameter's unit, except the factor; both
+        have to be given.
 
     Raises
     ------
@@ -59,12 +59,12 @@ class Prior:
             "normal": (self.second > 0.0, "sd above 0"),
             "log-normal": (self.first > 0.0 and self.second > 1.0, "median > 0 and factor > 1"),
             "uniform": (self.first < self.second, "min < max"),
-            "log-uniform": (0.0 < self.first < self.second, "0 < low < high; one that is uniform, "
-                            'not its logarithm, is { min, max }, or "uniform"'),
+            "log-uniform": (0.0 < self.first < self.second, "0 < low < high; for a uniform prior "
+                            'give { min, max }, or Prior("uniform", min, max)'),
         }[self.kind]  # fmt: skip
-        if not fits:
+        if not fits or not math.isfinite(self._width):
             text = ", ".join(f"{name} = {value}" for name, value in self.table.items())
-            raise ScenarioError(f"{text}: allowed is {allowed}")
+            raise ScenarioError(f"{text}: allowed is {'a finite width' if fits else allowed}")
 
     def __repr__(self) -> str:
         return f"{self.kind}({self.first:g}, {self.second:g})"
@@ -81,7 +81,7 @@ class Prior:
 
     @property
     def is_of_factors(self) -> bool:
-        """Whether the logarithm is distributed so, and all values are above zero."""
+        """Whether the logarithm of the value has this distribution."""
         return self.kind.startswith("log")
 
     def value(self, z: ArrayLike) -> Array:
@@ -91,9 +91,9 @@ class Prior:
         return np.asarray(self.first * np.exp(move) if self.is_of_factors else self.first + move)
 
     def coordinate(self, value: float) -> float:
-        """Inverse of `value`; minus infinity of one that has no logarithm."""
+        """Inverse of `value`; of one without a logarithm the least coordinate there is."""
         if self.is_of_factors and value <= 0.0:
-            return -math.inf
+            return -math.inf if self.has_middle else -_EDGE
         move = math.log(value / self.first) if self.is_of_factors else value - self.first
         share = move / self._width
         if self.has_middle:

@@ -26,6 +26,13 @@ _SHOWN = {
 }
 
 
+_CODES = {
+    "unit-map", "unit-map-background", "unit-length", "unit-inductance", "window-short",
+    "pulses-short", "hidden-key", "inductance", "capacitor", "voltage", "map",
+}  # fmt: skip
+"""Notes that concern coils."""
+
+
 @click.command(
     "coils",
     help="""Tell what the coils and amplifiers of SCENARIO can do.
@@ -56,12 +63,14 @@ def command(
     output.check_files(read, plot=(plot, ()))
     facts = coil_facts(loaded, volts, amperes)
     changes = {name: dimension_changes(loaded, name) for name in facts}
+    notes = [note for note in scenario_notes(loaded) if note.code in _CODES]
     if as_json:
         rows = {name: {**coil._asdict(), "changes": changes[name]} for name, coil in facts.items()}
-        output.print_json({"units": UNITS, "coils": rows})
+        told = [note.as_dict() for note in notes]
+        output.print_json({"units": UNITS, "coils": rows, "notes": told})
     else:
         _print(facts, changes)
-        for line in shown_lines(note for note in scenario_notes(loaded) if "coil" in note.text):
+        for line in shown_lines(notes):
             click.echo(f"note: {line}")
     return 0 if output.drawn("--plot", plot, output.save_plot("coil_lines", loaded)) else 1
 

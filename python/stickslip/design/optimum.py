@@ -85,7 +85,8 @@ class Optimum(OneLine):
     scenario, start : Scenario
         The best drive, and what the search began with.
     run : Run
-        The best drive at the middle of the priors, without a record.
+        The best drive at the middle of the priors, or where these make no scenario together at its
+        own values; without a record.
     table : pandas.DataFrame
         Fresh draws of "start", "search" and "sawtooth", where these are not the best, and "best":
         score, mean and worst of the figure, draws, draws that exceed a limit or fail, those that
@@ -149,13 +150,19 @@ class Optimum(OneLine):
     @property
     def beyond(self) -> str:
         """Where the best drive is beyond its limits, in one line; empty if nowhere."""
-        middle = self.goal.table(np.array([[self.goal.numbers(self.run)]]))
-        rows = pd.concat([middle, self.table.query("index == 'best'")])
+        one = self.goal.table(np.array([[self.goal.numbers(self.run)]]))
+        rows = pd.concat([one, self.table.query("index == 'best'")])
         rows = rows[rows["exceeding"] > 0]
         if rows.empty:
             return ""
+        uncertain, ran = self.start.uncertain, self.run.scenario
+        priors = {} if uncertain is None else uncertain.priors
+        is_middle = all(ran.get(key) == prior.value(0.0) for key, prior in priors.items())
+        own = "scenario's own values (the middles together make no scenario)"
         where = [
-            "the run at the middle" if name == 0 else f"{over} of {draws} fresh draws"
+            f"the run at the {'middle' if is_middle else own}"
+            if name == 0
+            else f"{over} of {draws} fresh draws"
             for name, over, draws in rows[["exceeding", "draws"]].itertuples()
         ]
         bounds = self.goal.bounds.items()
@@ -174,11 +181,11 @@ class Optimum(OneLine):
             most = DRAGGED["pull_share"]
             shares = rows["pull_share"].astype(float)
             shown["pull_share"] = [f"{s:.3g}" + ", dragged" * (s > most) for s in shares]
-        held = rows[1:].query("exceeding == 0")["score"].items()
-        holds = ", ".join(f"{name} ({score:.6g})" for name, score in held) or "none of these"
+        others = rows[1:].drop("best", errors="ignore").query("exceeding == 0")["score"].items()
+        held = ", ".join(f"{name} ({score:.6g})" for name, score in others) or "none"
+        broken = f"the best breaks a limit: {self.beyond}; others within all in all fresh draws: "
         lines = [
-            *[f"the best does not hold: it is {self.beyond}. Within them in all: {holds}"]
-            * (self.beyond != ""),
+            *[broken + held] * (self.beyond != ""),
             f"{'largest' if goal.sign > 0.0 else 'least'} {goal.figure} found, {goal.unit}; the "
             f"score is the {goal.score} of the draws:",
             *shown.to_string(float_format="{:.6g}".format).splitlines(),

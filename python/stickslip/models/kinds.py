@@ -15,7 +15,7 @@ from stickslip._util.arrays import Array
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.terms import instruments
 from stickslip.diagnosis.terms.instruments import delay, lag, offset
-from stickslip.models.model import Kind, Known, Model, Sensor, Term, made
+from stickslip.models.model import Kind, Known, Model, Sensor, Term, made, slow_in_words
 from stickslip.models.physics import (
     axis_states,
     heater_states,
@@ -78,7 +78,7 @@ def _sensors(name: str, *, slow: str = "", zero: bool = False, size: float = 0.0
         *([Sensor("scale", instruments.scale, 0.05)] if scale else []),
         Sensor(f"late {name}", delay, size, "time", name),
         *([Sensor(f"slow {slow}", lag, size, "time", name)] if slow else []),
-        Sensor(f"slow {meter}", lag, size, "time"),
+        Sensor(f"slow {meter}", lag, size, "time", told=slow_in_words),
     )
 
 

@@ -120,7 +120,7 @@ class Sensor:
     """A usual error of a reading, or of an `input`.
 
     `makes` is the function of `instruments`, with a unit first where it `has_unit`. A `size` of a
-    time is at least a step.
+    time is at least a step. `told` is that of its cause, where inputs are held between readings.
     """
 
     name: str
@@ -129,6 +129,7 @@ class Sensor:
     of: str = "1"
     input: str | None = None
     has_unit: bool = False
+    told: Callable[[float, str, float], str] | None = None
 
     def cause(self, scales: Mapping[str, float], unit: str, held: bool) -> Cause:
         """As a cause of its usual size, where inputs are held between readings or not."""
@@ -137,14 +138,13 @@ class Sensor:
             size = max(size, scales["step"])
         more = {} if self.input is None else {"input": self.input}
         made = self.makes(*([unit] if self.has_unit else []), size=size, name=self.name, **more)
-        is_slow = held and self.makes is instruments.lag and self.input is None
-        return replace(made, told=_slow_in_words) if is_slow else made
+        return replace(made, told=self.told) if held and self.told is not None else made
 
 
-def _slow_in_words(time: float, amount: str, step: float) -> str:
+def slow_in_words(time: float, amount: str, step: float) -> str:
     """A sentence on slow readings: a held input acts from the reading after its switch on."""
     text = f"A lag of the readings: time = {amount}"
-    more = f"; up to {step:.3g} s more, a step, where an input switched between two readings"
+    more = f"; up to {step:.3g} s (one step) more if the input switched between two readings"
     return f"{text}{more if step > _COARSE_STEP * time else ''}."
 
 

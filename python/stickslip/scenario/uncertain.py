@@ -14,7 +14,7 @@ from stickslip._util.prior import NUMBERS, Prior
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import COIL_MAP, GEOMETRY, checked, find_key, full_name, known_keys
 
-_FORMS = "{ mean, sd }, { median, factor }, { min, max } or { low, high }, of the logarithm"
+_FORMS = "{ mean, sd }, { median, factor }, { min, max } (uniform) or { low, high } (log-uniform)"
 
 
 def parse_prior(key: str, table: object) -> Prior:

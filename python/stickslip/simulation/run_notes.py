@@ -34,14 +34,15 @@ def run_notes(
 
 
 def _of_priors(scenario: Scenario) -> Iterator[Note]:
-    """Values that were left where the scenario's own priors hardly have them."""
+    """Values where the scenario's own priors hardly have them: no range has what is beyond it."""
     priors = {} if scenario.uncertain is None else scenario.uncertain.priors
     for key, prior in priors.items():
         value, middle = float(scenario.get(key)), float(prior.value(0.0))
-        if abs(prior.coordinate(value)) > FAR_FROM_A_PRIOR:
+        far = abs(prior.coordinate(value)) > FAR_FROM_A_PRIOR
+        if far if prior.has_middle else not prior.first <= value <= prior.second:
             text = (
-                f"{key} = {value:g} is far from its prior {prior}, and this run has that value; "
-                f"predictions draw: for a run at the middle set it to {middle:g}"
+                f"{key} = {value:g} is far from its prior {prior}. This run uses {value:g}; "
+                f"predictions draw from the prior. For a run at its middle set {key} = {middle:g}"
             )
             yield Note("prior", text, value)
 

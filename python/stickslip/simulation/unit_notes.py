@@ -43,6 +43,8 @@ _OTHER_WINDING = 1.3
 """Ratio of turns^2 side from which on an inductance that did not follow is noted. Chosen: as much
 as the shape of a winding changes it."""
 
+_OF_A_WINDING = ("coil.turns", "coil.side", "coil.inductance", "coil.resistance")
+
 _LONG = 30.0
 """Ratio of a length of the body to its shortest beyond which it alone is in another unit. Chosen:
 thin sheets and rods have less."""
@@ -227,9 +229,10 @@ def _of_coils(scenario: Scenario) -> list[Note]:
     ]
     left = []
     if scenario.coil.map is None:  # beside which turns and side are not stated
-        left = _of_windings(scenario)
-        likely, what = _winding(scenario, DEFAULTS), "what coil.turns and coil.side make likely"
-        if not left:
+        shared = _shared(scenario)
+        left = _of_windings(scenario, shared)
+        if shared["coil.inductance"] != DEFAULTS["coil.inductance"]:
+            likely, what = _winding(shared, DEFAULTS), "what the turns and the side make likely"
             cases.append(("coil.inductance", likely, NEAR, "H", "unit-inductance", what))
     notes = []
     for key, usual, within, unit, code, what in cases:
@@ -242,35 +245,43 @@ def _of_coils(scenario: Scenario) -> list[Note]:
     return notes or left  # a side in another unit makes another winding
 
 
-def _of_windings(scenario: Scenario) -> list[Note]:
+def _of_windings(scenario: Scenario, shared: Mapping[str, float]) -> list[Note]:
     """Whether an inductance stayed where the turns or the side of its coil did not."""
-    shared = {key: float(scenario.get(key)) for key in DEFAULTS if key.startswith("coil.")}
-    for coil in (f"coil.{name}" for name in COIL_NAMES):
-        henry = float(scenario.get(f"{coil}.inductance"))
+    for coil in COIL_NAMES:
+        own = {key: float(scenario.get(key.replace(".", f".{coil}."))) for key in _OF_A_WINDING}
+        henry = own["coil.inductance"]
         tabled = henry == DEFAULTS["coil.inductance"]
-        usual, whose = (DEFAULTS, "Table I") if tabled else (shared, "all coils")
-        ratio = _winding(scenario, usual, coil)
+        usual, whose = (DEFAULTS, "Table I's") if tabled else (shared, "that of all coils")
+        ratio = _winding(own, usual)
         off = abs(math.log(ratio)) > math.log(_OTHER_WINDING)
         if henry == usual["coil.inductance"] and off:
-            at = "coil" if _winding(scenario, shared, coil) == 1.0 else coil
+            at = "coil" if _winding(own, shared) == 1.0 else f"coil.{coil}"
             text = (
-                f"{at}.inductance = {henry:g} H is that of {whose}, and the winding is not: its "
-                f"turns and side make some {henry * ratio:.2g} H; state {at}.inductance"
+                f"{at}.inductance = {henry:g} H is {whose}, but the turns or the side are not: "
+                f"they make about {henry * ratio:.2g} H. State {at}.inductance"
             )
-            if scenario.get(f"{coil}.resistance") == usual["coil.resistance"]:
-                text += f", and {at}.resistance"
+            if own["coil.resistance"] == usual["coil.resistance"]:
+                text += f" and {at}.resistance"
             return [Note("inductance", text, henry)]
     return []
 
 
-def _winding(scenario: Scenario, usual: Mapping[str, float], coil: str = "coil") -> float:
+def _shared(scenario: Scenario) -> dict[str, float]:
+    """Values of all coils; the median where all five have turns, or a side, of their own."""
+    shared = {key: float(scenario.get(key)) for key in _OF_A_WINDING}
+    for key in ("coil.turns", "coil.side"):
+        own = [float(scenario.get(key.replace(".", f".{coil}."))) for coil in COIL_NAMES]
+        if shared[key] not in own:
+            shared[key] = float(np.median(own))
+    return shared
+
+
+def _winding(values: Mapping[str, float], usual: Mapping[str, float]) -> float:
     """What an inductance grows with, turns^2 side, over the usual one.
 
     Coils without iron have a third to three times of it, by the shape of the winding.
     """
-    turns, side = (
-        float(scenario.get(f"{coil}.{name}")) / usual[f"coil.{name}"] for name in ("turns", "side")
-    )
+    turns, side = (values[key] / usual[key] for key in ("coil.turns", "coil.side"))
     return turns**2 * side
 
 
