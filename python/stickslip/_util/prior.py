@@ -80,7 +80,7 @@ class Prior:
         return not self.kind.endswith("uniform")
 
     @property
-    def is_of_factors(self) -> bool:
+    def is_logarithmic(self) -> bool:
         """Whether the logarithm of the value has this distribution."""
         return self.kind.startswith("log")
 
@@ -88,13 +88,13 @@ class Prior:
         """Parameter at the coordinate `z`, which is standard normal under this prior."""
         z = np.asarray(z, dtype=float)
         move = self._width * (z if self.has_middle else _shares(np.clip(z, -_EDGE, _EDGE)))
-        return np.asarray(self.first * np.exp(move) if self.is_of_factors else self.first + move)
+        return np.asarray(self.first * np.exp(move) if self.is_logarithmic else self.first + move)
 
     def coordinate(self, value: float) -> float:
         """Inverse of `value`; of one without a logarithm the least coordinate there is."""
-        if self.is_of_factors and value <= 0.0:
+        if self.is_logarithmic and value <= 0.0:
             return -math.inf if self.has_middle else -_EDGE
-        move = math.log(value / self.first) if self.is_of_factors else value - self.first
+        move = math.log(value / self.first) if self.is_logarithmic else value - self.first
         share = move / self._width
         if self.has_middle:
             return share
@@ -105,7 +105,7 @@ class Prior:
     @property
     def _width(self) -> float:
         """One standard deviation, or the whole range, of the value or of its logarithm."""
-        if self.is_of_factors:
+        if self.is_logarithmic:
             return math.log(self.second if self.has_middle else self.second / self.first)
         return self.second if self.has_middle else self.second - self.first
 

@@ -436,7 +436,7 @@ def _known(
     if added and len(units) == 1 and units != {"-"}:
         return as_sum
     # What is known by its order of magnitude is a factor.
-    factors = all(one.prior is not None and one.prior.is_of_factors for one in members)
+    factors = all(one.prior is not None and one.prior.is_logarithmic for one in members)
     return as_product if whole_product or factors else as_sum
 
 
