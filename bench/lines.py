@@ -32,7 +32,7 @@ WINGS = {
     "walker": (_package(r"walker/.*"), 5_180),
     "command": (_package(r"cli/.*|(?!errors)\w+"), 2_400),
     "core": (r"cpp/(stickslip|bindings)/.*\.[hc]pp", 19_020),
-    "tests": (r"(tests|cpp/tests)/.*\.(py|[hc]pp)", 39_600),
+    "tests": (r"(tests|cpp/tests)/.*\.(py|[hc]pp)", 39_650),
     "bench": (r"bench/.*\.(py|cpp)", 10_900),
 }
 """Which files belong to a wing, and how many lines they may have; a file belongs to one wing.
