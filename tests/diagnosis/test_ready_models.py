@@ -692,7 +692,7 @@ def test_a_lag_of_readings_is_told_with_the_step_by_which_a_held_input_may_switc
     slow = next(cause for cause in heater.terms(log)[1] if cause.name == "slow thermometer")
     assert (slow.told is None) == smooth
     if not smooth:
-        assert "17.3 ± 0.1 s; up to 5 s more" in slow.told(17.3, "17.3 ± 0.1 s", 5.0)
+        assert "17.3 ± 0.1 s; up to 5 s (one step) more if" in slow.told(17.3, "17.3 ± 0.1 s", 5.0)
         assert slow.told(17.3, "17.3 ± 0.1 s", 0.1).endswith("17.3 ± 0.1 s.")
 
 
