@@ -153,12 +153,12 @@ def test_figures_of_other_verdicts_are_said_to_be_stale(
         main()
         return [each for each in capsys.readouterr().out.splitlines() if "stale" in each]
 
-    stale.VERDICTS.write_text("a\n")
+    stale.VERDICTS.write_text('{"name": "a"}\n')
     path.write_text(json.dumps(record).replace(GOLDEN, stale.digest()))
     unstated = int(name == "causes")
     assert bool(unstated) == bool(before := said())
     assert all(f"stale: {unstated} of {rows} rows" in each for each in before)
-    stale.VERDICTS.write_text("b\n")
+    stale.VERDICTS.write_text('{"name": "b"}\n')
     (after,) = said()
     assert f"stale: {rows} of {rows} rows" in after
     assert stale.digest() in after
@@ -167,7 +167,7 @@ def test_figures_of_other_verdicts_are_said_to_be_stale(
 @pytest.mark.nightly
 def test_what_is_made_states_the_verdicts_of_its_engine(tmp_path, monkeypatch):
     monkeypatch.setattr(stale, "VERDICTS", tmp_path / "verdicts.jsonl")
-    stale.VERDICTS.write_text("a\n")
+    stale.VERDICTS.write_text('{"name": "a"}\n')
     monkeypatch.setitem(now.PARTS, "tables", lambda done, budget: [("a", now.number_row(1, "-"))])
     now.measured("tables", tmp_path / "now.json", now.Budget(float("inf")))
     told = tools.ours(dict(tools.asked())["axis-04"]())
