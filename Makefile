@@ -102,6 +102,7 @@ docs: install ## the documentation, into docs/_build/html
 lint: install ## ruff, mypy, clang-format, clang-tidy, codespell
 	@$(RUN) -m pip install --quiet --group lint
 	@ruff check . && ruff format --check . && mypy && codespell
+	@stubtest stickslip._core stickslip._machines --concise --allowlist cpp/bindings/stubtest.txt
 	@clang-format --dry-run --Werror $(CXX_FILES)
 	@cmake --preset tidy >/dev/null && cmake --build --preset tidy
 

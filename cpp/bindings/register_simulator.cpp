@@ -419,12 +419,6 @@ void register_simulator(py::module_& module) {
     module.def("rollout", &rollout_into, py::arg("scenarios"), py::arg("runs"), py::arg("states"),
                py::arg("voltages"), py::arg("duration"), py::arg("hold"), py::arg("columns"),
                py::arg("out").noconvert(), py::arg("threads"), py::arg("progress"));
-    module.def("set_state", [](Scenario& scenario, const Array& row) {
-        if (row.size() != static_cast<py::ssize_t>(kStateColumns.size())) {
-            throw std::invalid_argument("a state has a value for each of state_columns");
-        }
-        set_state(scenario, row.data());
-    });
     module.attr("state_columns") = quantities_of(kStateColumns);
 }
 
