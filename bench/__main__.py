@@ -26,7 +26,6 @@ PROGRAMS = {
     "causes": ("causes", "a benchmark for any tool that names causes: make, run, score"),
     "drawn": ("drawn_logs", "drawn logs and tables of known truth, right, noted or refused"),
     "real": ("real.study", "measured sets with a known cause, diagnosed and judged"),
-    "drops": ("real.drops", "drops of a real square beside the core"),
     "mutations": ("mutations", "whether the tests see a change of the C++ or Python sources"),
     "lines": ("lines", "lines of each wing of the project, beside its budget"),
 }
