@@ -1,4 +1,4 @@
-"""Lists and files of `python -m bench`, counts of `lines`, changes of `mutations cpp`."""
+"""Lists and files of `python -m bench`, counts of `lines`."""
 
 import argparse
 import importlib.util
@@ -17,7 +17,6 @@ import pytest
 import stale
 from blind import study
 from causes import tools
-from mutations.cpp import MUTATIONS
 from works import WORKS
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -206,9 +205,3 @@ def test_each_program_of_the_list_is_there(capsys):
         assert f"{name:<14}{text}" in said
         assert importlib.util.find_spec(module) is not None
     assert bench["main"](["lost"]) == 2
-
-
-def test_each_text_that_a_mutation_replaces_is_in_its_file_once():
-    for each in MUTATIONS:
-        (path,) = (ROOT / "cpp" / "stickslip").rglob(each.file)
-        assert path.read_text(encoding="utf-8").count(each.text) == 1, each
