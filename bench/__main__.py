@@ -12,7 +12,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 PROGRAMS = {
-    "now": ("now", "cost, false alarms and mutations, beside the first figures"),
+    "now": ("now", "cost and false alarms of diagnoses, beside the first figures"),
     "speed": ("speed", "both integrators at equal accuracy"),
     "sweep": ("sweep", "sweeps: cost of a run and of a point, threads"),
     "promises": ("promises", "import, Ctrl-C, long runs, sweeps; fails if a promise is broken"),
