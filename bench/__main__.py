@@ -12,7 +12,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 PROGRAMS = {
-    "now": ("now", "cost, false alarms and mutations, beside the first figures"),
+    "now": ("now", "cost and false alarms of diagnoses, beside the first figures"),
     "speed": ("speed", "both integrators at equal accuracy"),
     "sweep": ("sweep", "sweeps: cost of a run and of a point, threads"),
     "promises": ("promises", "import, Ctrl-C, long runs, sweeps; fails if a promise is broken"),
@@ -26,7 +26,6 @@ PROGRAMS = {
     "causes": ("causes", "a benchmark for any tool that names causes: make, run, score"),
     "drawn": ("drawn_logs", "drawn logs and tables of known truth, right, noted or refused"),
     "real": ("real.study", "measured sets with a known cause, diagnosed and judged"),
-    "drops": ("real.drops", "drops of a real square beside the core"),
     "mutations": ("mutations", "whether the tests see a change of the C++ or Python sources"),
     "lines": ("lines", "lines of each wing of the project, beside its budget"),
 }

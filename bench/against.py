@@ -45,7 +45,9 @@ def worker() -> None:
 
 
 def built(commit: str) -> Path:
-    """Folder with the package of `commit`; built if it is not there."""
+    """Folder with the package of `commit`, or that folder itself; built if it is not there."""
+    if Path(commit, "stickslip").is_dir():
+        return Path(commit)
     git = functools.partial(subprocess.run, check=True, stdout=subprocess.PIPE)
     full = git(["git", "rev-parse", "--verify", f"{commit}^{{commit}}"]).stdout.decode().strip()
     package = BUILD / full / "package"
@@ -113,9 +115,7 @@ def main() -> int:
     names = options.works.split(",")
     if not set(names) <= set(WORKS):
         parser.error(f"--works: allowed are {', '.join(WORKS)}")
-    package = Path(options.commit)
-    package = package if (package / "stickslip").is_dir() else built(options.commit)
-    before, now = Version(package), Version(Path(stickslip.__file__).parents[1])
+    before, now = Version(built(options.commit)), Version(Path(stickslip.__file__).parents[1])
     if before.package == now.package:
         parser.error(f"both versions are the same package: {now.package}")
     print(f"{'work':11}{'rtol':>6}{'CPU s before':>13}{'now':>10}{'now/before':>11}"

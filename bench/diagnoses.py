@@ -39,30 +39,24 @@ def _walker(changes: dict[str, float], bent: float) -> Asked:
     """Three trials of each of 34 drives of a robot that is other than stated, or off by a wave."""
     # Imported here: else they count as memory of a log's diagnosis.
     from blind.settings import PULSES
-    from causes.walkers import FLOOR, SCATTER, STATED, TRIALS
+    from causes.walkers import FLOOR, SCATTER, STATED, TRIALS, files_of
 
     from stickslip import Scenario, diagnose, read_measurement, simulate
     from stickslip.walker.problem import posed_by
 
-    rows, random = ["mode,frequency,trial,velocity"], np.random.default_rng(SEED)
+    rows, random = [["mode", "frequency", "trial", "velocity"]], np.random.default_rng(SEED)
     nominal = {name: float(prior.value(0.0)) for name, prior in STATED.items()}
     walk = Scenario().replace({**nominal, **changes, "drive.pulses": PULSES})
     for mode, frequency in DRIVES:
         run = simulate(walk.replace({"drive.mode": mode, "drive.frequency": float(frequency)}))
         level = run.mean_velocity * (1.0 + bent * np.sin(frequency / 10.0))
         noise = np.hypot(SCATTER * level, FLOOR) * random.standard_normal(TRIALS)
-        rows += [f"{mode},{frequency},{k},{level + each:.5e}" for k, each in enumerate(noise)]
-    stated = "\n".join(f'"{name}" = {each.stated}' for name, each in STATED.items())
+        rows += [[mode, f"{frequency}", f"{k}", f"{level + each:.5e}"]
+                 for k, each in enumerate(noise)]  # fmt: skip
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "measurement.toml"
-        path.with_name("log.csv").write_text("\n".join(rows) + "\n")
-        nominal_text = f"stickslip = 1\n\n[drive]\npulses = {PULSES}\n"
-        path.with_name("nominal.toml").write_text(nominal_text)
-        path.write_text(
-            'stickslip_measurement = 1\nscenario = "nominal.toml"\n\n'
-            f'[uncertain]\n{stated}\n\n[[velocity]]\nfile = "log.csv"\n'
-        )
-        measured = read_measurement(path)
+        for name, text in files_of(rows).items():
+            Path(folder, name).write_text(text)
+        measured = read_measurement(Path(folder, "measurement.toml"))
     problem = posed_by(measured)
     return Asked(problem, partial(diagnose, measured, threads=1), problem.sd)
 

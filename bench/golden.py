@@ -220,8 +220,7 @@ def main() -> int:
     if options.against:
         from against import built  # which an earlier package need not be able to import
 
-        given = Path(options.against)
-        earlier = said(given if (given / "stickslip").is_dir() else built(options.against), 1)
+        earlier = said(built(options.against), 1)
         count = 0
         for threads in map(int, options.threads.split(",")):
             now = said(package, threads)

@@ -84,8 +84,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m bench interface", description=__doc__)
     parser.add_argument("commit", help="the earlier commit, or a folder with its built package")
     options = parser.parse_args()
-    folder = Path(options.commit)
-    before = of_package(folder if (folder / "stickslip").is_dir() else built(options.commit))
+    before = of_package(built(options.commit))
     now = of_package(Path(stickslip.__file__).parents[1])
     changes = [line for line in difflib.ndiff(before, now) if line[0] in "-+"]
     print(*(changes or ["the public interface is the same"]), sep="\n")

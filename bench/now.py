@@ -4,19 +4,15 @@ Each part writes its figures into bench/now.json as they come, with the commit o
 processor and the width of the packs. A part that ran out of its time goes on at the next call, at
 the same commit on the same machine; else it begins anew. CPU times of diagnoses are figures over
 that of the best BIC on the same problem, and in seconds beside; those of runs and sweeps are
-measured by `python -m bench against`. `--first` keeps the parts that are complete in
-bench/first.json, to which later figures are compared; what is there stays.
+measured by `python -m bench against`. The first figures are those of bench/first.json, which stay.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-import os
-import resource
 import subprocess
 import sys
-import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
@@ -26,8 +22,6 @@ from pathlib import Path
 from typing import Any
 
 import diagnoses
-import drawn_logs
-import drawn_tables
 from measure import ROOT, figure_of, processor, ratios
 from scores import interval
 from stale import digest, stale
@@ -36,7 +30,6 @@ HERE = Path(__file__).resolve().parent
 NOW, FIRST = HERE / "now.json", HERE / "first.json"
 REPEATS = 3  # of a diagnosis; chosen, as each takes up to minutes
 TABLES, BATCH = 2000, 100  # sound tables in all, and between two looks at the clock
-SEED, CHANGES = 1, {"python": 40, "core": 20}  # drawn changes of the sources
 
 Row = dict[str, Any]
 """A figure: its unit, median, low, high, n; CPU times have seconds besides."""
@@ -118,77 +111,7 @@ def tables(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
             yield f"tables, {name}", row | ({"seen": dict(seen)} if "0.05" in name else {})
 
 
-def logs(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
-    """Outcomes of reading drawn logs and tables of known truth; none may be silently wrong."""
-    budget.check()
-    for kind, of in (("logs", drawn_logs.outcome), ("drawn tables", drawn_tables.outcome)):
-        found = drawn_logs.counts(range(TABLES), of)
-        for name in drawn_logs.OUTCOMES:
-            count = sum(number for (_, what), number in found.items() if what == name)
-            yield f"{kind}, {name}", share_row(count, TABLES)
-
-
-def mutations(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
-    """Share of drawn changes of the sources that the tests see; those that do not build apart."""
-    for kind, count in CHANGES.items():
-        path = HERE / "results" / f"mutations-{kind}-{commit()}.jsonl"
-        path.parent.mkdir(exist_ok=True)
-        path.touch()
-        while True:
-            rows = path.read_text().splitlines()
-            said = Counter(json.loads(row)["verdict"] for row in rows)
-            if tried := said["seen"] + said["survives"]:
-                yield f"{kind} changes seen", share_row(said["seen"], tried)
-            if len(rows) >= count:
-                break
-            budget.check()
-            # Of a seed the first are the same for any count; what was tried is not tried again.
-            words = ["--seed", str(SEED), "--count", str(len(rows) + 1), "--out", str(path)]
-            command = [sys.executable, "-m", "mutations", kind, *words]
-            ended = subprocess.run(command, env={**os.environ, "PYTHONPATH": str(HERE)},
-                                   stdout=subprocess.DEVNULL, check=False)  # fmt: skip
-            if len(path.read_text().splitlines()) == len(rows):
-                sys.exit(f"{' '.join(command)}: status {ended.returncode}, and no row")
-
-
-def _children(command: Sequence[str | Path], **variables: str) -> tuple[float, float]:
-    """CPU and wall seconds of a command and its children."""
-
-    def spent() -> float:
-        usage = resource.getrusage(resource.RUSAGE_CHILDREN)
-        return usage.ru_utime + usage.ru_stime
-
-    before, started = spent(), time.monotonic()
-    ended = subprocess.run(command, cwd=ROOT, env={**os.environ, **variables}, check=False)
-    if ended.returncode != 0:
-        sys.exit(f"{' '.join(map(str, command))}: status {ended.returncode}")
-    return spent() - before, time.monotonic() - started
-
-
-def build(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
-    """CPU time of a clean build of the wheel."""
-    with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps"]
-        command += ["--no-build-isolation", "-C", f"build-dir={folder}/build"]
-        cpu, _ = _children([*command, "--wheel-dir", folder, "."], CCACHE_DISABLE="1")
-        yield "clean build of the wheel", number_row(cpu, "CPU s")
-
-
-def tests(done: dict[str, Row], budget: Budget) -> Iterator[tuple[str, Row]]:
-    """The tests in Python of `make test`, with as many processes as there are processors."""
-    jobs = str(len(os.sched_getaffinity(0)))
-    pytest = [sys.executable, "-m", "pytest", "-q", "-n", jobs, "--dist", "worksteal"]
-    cpu, wall = _children(pytest)
-    yield "make test", number_row(cpu, "CPU s")
-    yield "make test, by the clock", number_row(wall, f"s with {jobs} processes")
-
-
-PARTS: dict[str, Part] = {
-    "diagnosis": diagnosis, "build": build, "tables": tables, "logs": logs, "tests": tests,
-    "mutations": mutations,
-}  # fmt: skip
-OF_VERDICTS = ("diagnosis", "tables")
-"""Parts whose figures change with the diagnosis."""
+PARTS: dict[str, Part] = {"diagnosis": diagnosis, "tables": tables}
 
 
 def commit() -> str:
@@ -240,8 +163,7 @@ def measured(name: str, path: Path, budget: Budget) -> None:
     """Begin or continue a part, and write each figure as it comes."""
     parts, first = read(path), read(FIRST).get(name, {}).get("rows", {})
     model, width = processor()
-    stated = {"commit": commit(), "processor": model, "kernel width": width}
-    stated |= {"golden": digest()} if name in OF_VERDICTS else {}
+    stated = {"commit": commit(), "processor": model, "kernel width": width, "golden": digest()}
     part = parts.get(name, {})
     if part.get("complete", True) or any(part.get(key) != stated[key] for key in stated):
         part = {**stated, "rows": {}}
@@ -259,36 +181,20 @@ def measured(name: str, path: Path, budget: Budget) -> None:
     written(path, parts)
 
 
-def keep_first(path: Path) -> int:
-    """Copy the complete parts that bench/first.json does not have; 1 where there is none."""
-    first = read(FIRST)
-    new = {name: part for name, part in read(path).items()
-           if part["complete"] and name not in first}  # fmt: skip
-    if not new:
-        print(f"{FIRST}: nothing new; it has {', '.join(first) or 'no part'}, and keeps it")
-        return 1
-    written(FIRST, first | new)
-    print(f"{FIRST}: {', '.join(new)}")
-    return 0
-
-
 def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m bench now", description=__doc__)
     parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(PARTS))
     parser.add_argument("--minutes", type=float, default=15.0, help="of each part")
-    parser.add_argument("--first", action="store_true", help="keep complete parts as the first")
     parser.add_argument("--out", type=Path, default=NOW)
     options = parser.parse_args()
     if not set(options.parts) <= set(PARTS):
         parser.error(f"PART: allowed are {', '.join(PARTS)}")
-    if options.first:
-        return keep_first(options.out)
     print(f"{'figure':42}{'first':>11}{'new':>11}{'ratio':>8}  95 % interval")
     for name in options.parts or PARTS:
         ends = time.monotonic() + 60.0 * options.minutes
         measured(name, options.out, Budget(ends))
     kept = read(options.out)
-    for name in (each for each in OF_VERDICTS if each in kept):
+    for name in (each for each in PARTS if each in kept):
         for said in stale([kept[name]] * len(kept[name]["rows"])):
             print(f"{name}: {said}")
     return 0

@@ -1,4 +1,4 @@
-"""Lists and files of `python -m bench`, counts of `lines`, changes of `mutations cpp`."""
+"""Lists and files of `python -m bench`, counts of `lines`."""
 
 import argparse
 import importlib.util
@@ -17,7 +17,6 @@ import pytest
 import stale
 from blind import study
 from causes import tools
-from mutations.cpp import MUTATIONS
 from works import WORKS
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -92,7 +91,7 @@ def test_a_work_moves_and_counts_what_it_says(name):
         assert len(velocities) == WORKS[name].count
 
 
-def test_parts_of_now_go_on_and_the_first_figures_stay(tmp_path, monkeypatch, capsys):
+def test_parts_of_now_go_on_beside_the_first_figures(tmp_path, monkeypatch, capsys):
     path, first, made = tmp_path / "now.json", tmp_path / "first.json", []
     monkeypatch.setattr(now, "FIRST", first)
 
@@ -105,22 +104,20 @@ def test_parts_of_now_go_on_and_the_first_figures_stay(tmp_path, monkeypatch, ca
                 if name == "b":
                     budget.ends = 0.0
 
-    monkeypatch.setitem(now.PARTS, "logs", counted)
-    now.measured("logs", path, now.Budget(float("inf")))
-    part = now.read(path)["logs"]
+    monkeypatch.setitem(now.PARTS, "tables", counted)
+    now.measured("tables", path, now.Budget(float("inf")))
+    part = now.read(path)["tables"]
     assert (list(part["rows"]), part["complete"]) == (["a", "b"], False)
-    assert now.keep_first(path) == 1
-    now.measured("logs", path, now.Budget(float("inf")))
+    now.measured("tables", path, now.Budget(float("inf")))
     assert made == ["a", "b", "c"]
-    assert now.read(path)["logs"]["complete"]
-    assert (now.keep_first(path), now.keep_first(path)) == (0, 1)
+    assert now.read(path)["tables"]["complete"]
+    first.write_text(path.read_text())
     # A complete part begins anew, and so does one of other sources.
-    for name in ("logs", "logs"):
+    for name in ("tables", "tables"):
         capsys.readouterr()
         now.measured(name, path, now.Budget(float("inf")))
         monkeypatch.setattr(now, "commit", lambda: "other")
     assert made == [*"abcababc"[:5], *"ab"]
-    assert now.read(first)["logs"]["rows"]["a"]["median"] == 1
     assert capsys.readouterr().out.split()[:4] == ["a", "1", "6", "6.000"]
 
 
@@ -134,7 +131,7 @@ SHOWN = [
     ("blind", ["blind", "tables", "{}"], OLD, 1),
     ("causes", ["causes", "score", "{}"], {"axis-00": {**ANSWER, "golden": GOLDEN},
                                            "axis-04": ANSWER}, 2),
-    ("now", ["now", "logs", "--out", "{}"], {"diagnosis": {**PART, "golden": GOLDEN}}, 2),
+    ("now", ["now", "diagnosis", "--out", "{}"], {"tables": {**PART, "golden": GOLDEN}}, 2),
 ]  # fmt: skip
 
 
@@ -143,7 +140,7 @@ def test_figures_of_other_verdicts_are_said_to_be_stale(
     name, arguments, record, rows, tmp_path, monkeypatch, capsys
 ):
     monkeypatch.setattr(stale, "VERDICTS", tmp_path / "verdicts.jsonl")
-    monkeypatch.setitem(now.PARTS, "logs", lambda done, budget: ())
+    monkeypatch.setitem(now.PARTS, "diagnosis", lambda done, budget: ())
     path = tmp_path / "stickslip.json"
     monkeypatch.setattr(sys, "argv", [each.format(path) for each in arguments])
     module = runpy.run_path(str(ROOT / "bench" / "__main__.py"))["PROGRAMS"][name][0]
@@ -171,9 +168,9 @@ def test_what_is_made_states_the_verdicts_of_its_engine(tmp_path, monkeypatch):
     monkeypatch.setitem(now.PARTS, "tables", lambda done, budget: [("a", now.number_row(1, "-"))])
     now.measured("tables", tmp_path / "now.json", now.Budget(float("inf")))
     told = tools.ours(dict(tools.asked())["axis-04"]())
-    # sha256 of "a" and a line feed.
+    # sha256 of the verdicts as a list in JSON.
     made = (now.read(tmp_path / "now.json")["tables"], told, study.state())
-    assert [each["golden"] for each in made] == ["87428fc52280"] * 3
+    assert [each["golden"] for each in made] == ["a45f3d8cf8b0"] * 3
 
 
 def test_a_program_without_leave_writes_what_git_ignores(monkeypatch):
@@ -206,9 +203,3 @@ def test_each_program_of_the_list_is_there(capsys):
         assert f"{name:<14}{text}" in said
         assert importlib.util.find_spec(module) is not None
     assert bench["main"](["lost"]) == 2
-
-
-def test_each_text_that_a_mutation_replaces_is_in_its_file_once():
-    for each in MUTATIONS:
-        (path,) = (ROOT / "cpp" / "stickslip").rglob(each.file)
-        assert path.read_text(encoding="utf-8").count(each.text) == 1, each

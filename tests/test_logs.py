@@ -20,7 +20,7 @@ from stickslip.diagnosis.model import posed
 
 T = 0.02 * np.arange(150)
 TORQUE = np.where(np.sin(3.0 * T) + np.sin(7.0 * T) > 0.0, 1.0, -1.0)
-JOINT = models.joint(inertia=0.1)
+JOINT, HEATER = models.joint(inertia=0.1), models.thermal(capacity=1.0, loss=1.0)
 
 
 def write(path, columns, separator=","):
@@ -185,23 +185,21 @@ def test_lines_above_the_names_are_skipped(tmp_path, above, skipped, separator):
         models.read_log(tmp_path / "a.csv", JOINT)
 
 
-@pytest.mark.parametrize("cell", ["1.008,5", "1'008.5", "1 008", "1.0085k", "0.1 rad/s"])
-def test_a_number_with_separators_or_a_unit_is_no_gap(tmp_path, cell):
-    speed = [f"{each:.4f}" for each in np.cos(T)]
-    speed[7] = cell
-    write(tmp_path / "a.csv", {"t": T, "speed": speed, "torque": T}, ";")
-    with pytest.raises(
-        ScenarioError, match=r"line 9, column speed = .*allowed is the number alone"
-    ):
-        models.read_log(tmp_path / "a.csv", JOINT)
+NO_READING = ("", "nan", "-", "ERR", "#DIV/0!", "1.#IND", "OVLD", "null")
+NO_NUMBER = ("1.008,5", "1'008.5", "1 008", "1.0085k", "0.1 rad/s")
 
 
-@pytest.mark.parametrize("cell", ["", "nan", "-", "ERR", "#DIV/0!", "1.#IND", "OVLD", "null"])
-def test_what_meters_write_for_no_reading_is_a_gap(tmp_path, cell):
+@pytest.mark.parametrize("cell", [*NO_READING, *NO_NUMBER])
+def test_a_cell_is_a_gap_if_a_meter_writes_it_for_no_reading(tmp_path, cell):
     speed = [f"{each:.4f}" for each in np.cos(T)]
     speed[7] = cell
-    write(tmp_path / "a.csv", {"t": T, "speed": speed, "torque": T}, ";")
-    assert 7 not in models.read_log(tmp_path / "a.csv", JOINT).rows
+    path = write(tmp_path / "a.csv", {"t": T, "speed": speed, "torque": T}, ";")
+    if cell in NO_READING:
+        assert 7 not in models.read_log(path, JOINT).rows
+        return
+    said = r"line 9, column speed = .*allowed is the number alone"
+    with pytest.raises(ScenarioError, match=said):
+        models.read_log(path, JOINT)
 
 
 @pytest.mark.parametrize("mark", ["-9999", "999.99", "32767", "1e38"])
@@ -215,20 +213,16 @@ def test_what_meters_write_for_no_value_is_a_gap_in_any_unit(tmp_path, mark):
         models.read_log(tmp_path / "a.csv", JOINT)
 
 
-@pytest.mark.parametrize("heading", ["sd", "sd (rpm)"])
-def test_an_error_without_a_unit_is_in_that_of_its_readings(tmp_path, heading):
-    write(tmp_path / "a.csv", {"t": T, "speed (rpm)": T, "torque": T, heading: 0.0 * T + 0.3})
-    sd = models.read_log(tmp_path / "a.csv", JOINT).errors.sd
-    assert sd == pytest.approx(np.full(len(T), 0.3 * np.pi / 30.0))
-
-
-@pytest.mark.parametrize("readings", ["K", "degC"])
-@pytest.mark.parametrize("heading", ["sd", "sd (K)", "sd (degC)", "sd [°C]"])
-def test_an_error_of_a_temperature_is_a_difference(tmp_path, heading, readings):
-    write(tmp_path / "a.csv", {"t": T, "power": T, f"temperature ({readings})": T,
-                                heading: 0.0 * T + 0.1})  # fmt: skip
-    log = models.read_log(tmp_path / "a.csv", models.thermal(capacity=1.0, loss=1.0))
-    assert log.errors.sd == pytest.approx(np.full(len(T), 0.1))
+@pytest.mark.parametrize(
+    ("reading", "heading", "sd"),
+    [("speed (rpm)", "sd", 0.3 * np.pi / 30.0), ("speed (rpm)", "sd (rpm)", 0.3 * np.pi / 30.0),
+     *((f"temperature ({unit})", heading, 0.3) for unit in ("K", "degC")
+       for heading in ("sd", "sd (K)", "sd (degC)", "sd [°C]"))],
+)  # fmt: skip
+def test_an_error_is_a_difference_in_the_unit_of_its_readings(tmp_path, reading, heading, sd):
+    model, given = (HEATER, "power") if "temperature" in reading else (JOINT, "torque")
+    path = write(tmp_path / "a.csv", {"t": T, given: T, reading: T, heading: 0.0 * T + 0.3})
+    assert models.read_log(path, model).errors.sd == pytest.approx(np.full(len(T), sd))
 
 
 def test_an_angle_beyond_a_turn_states_its_unit(tmp_path):
@@ -268,15 +262,14 @@ def test_a_wrong_zero_is_listed_where_it_can_be_seen():
 
 
 def test_a_heater_needs_the_temperature_of_the_ambient():
-    heater = models.thermal(capacity=1.0, loss=1.0)
-    assert heater.terms(Series(T, 40.0 * T / T[-1], {"power": T}, unit="K"))[1]
+    assert HEATER.terms(Series(T, 40.0 * T / T[-1], {"power": T}, unit="K"))[1]
     with pytest.raises(ScenarioError, match="ambient is missing, and readings in degC are between"):
-        heater.terms(Series(T, 20.0 + T, {"power": T}, unit="degC"))
+        HEATER.terms(Series(T, 20.0 + T, {"power": T}, unit="degC"))
     with pytest.raises(ScenarioError, match="ambient is missing, and readings are between -27"):
-        heater.terms(Series(T, -25.0 - T, {"power": T}))
+        HEATER.terms(Series(T, -25.0 - T, {"power": T}))
     kelvins = {"power": T, "ambient": 293.0 + 0.0 * T}
     with pytest.raises(ScenarioError, match=r"ambient = 293: 19\.85 may be meant, as readings in"):
-        heater.terms(Series(T, 20.0 + T, kelvins, unit="degC"))
+        HEATER.terms(Series(T, 20.0 + T, kelvins, unit="degC"))
 
 
 def test_a_name_of_a_models_own_keeps_its_end(tmp_path):
@@ -306,16 +299,15 @@ def test_what_a_log_lacks_or_has_besides_is_told(tmp_path):
     assert np.all(log.errors.sd == 0.1)
     # A temperature keeps its own name of the unit: the readings are no kelvins.
     write(tmp_path / "b.csv", {"t": T, "body (degC)": T, "power (kW)": T})
-    heater = models.thermal(capacity=1.0, loss=1.0)
-    warm = models.read_log(tmp_path / "b.csv", heater)
+    warm = models.read_log(tmp_path / "b.csv", HEATER)
     assert warm.unit == "degC"
     assert warm["power"] == pytest.approx(1e3 * T)
-    assert heater.terms(warm)[1]
+    assert HEATER.terms(warm)[1]
     told = {each.text for each in warm.own_notes}
     assert "There is no column ambient: it is taken as 0." in told
     write(tmp_path / "c.csv", {"t": T, "body (degC)": T, "heater": T})
     with pytest.raises(ScenarioError, match=r'there are "t", .*"heater": call one "power \(W\)"'):
-        models.read_log(tmp_path / "c.csv", heater)
+        models.read_log(tmp_path / "c.csv", HEATER)
 
 
 @pytest.mark.parametrize(
@@ -325,8 +317,7 @@ def test_what_a_log_lacks_or_has_besides_is_told(tmp_path):
 def test_temperatures_of_a_log_have_the_zero_of_its_readings(tmp_path, body, ambient, first):
     heading = f"ambient ({ambient})" if ambient else "ambient"
     write(tmp_path / "a.csv", {"t": T, f"temperature ({body})": T, "power": T, heading: 20.0 + T})
-    heater = models.thermal(capacity=1.0, loss=1.0)
-    log = models.read_log(tmp_path / "a.csv", heater)
+    log = models.read_log(tmp_path / "a.csv", HEATER)
     assert log["ambient"] == pytest.approx(first + T)
     assert log["power"] == pytest.approx(T)
     converted = [each.text for each in log.own_notes if each.code == "other-zero"]
@@ -524,7 +515,6 @@ def test_a_log_in_memory_is_read_as_it_stands(case):
     np.testing.assert_array_equal(log.y, LOG["speed"][sound])
 
 
-HEATER = models.thermal(capacity=400.0, loss=1.5)
 ROW = "0,20,20,1\n10,21,20,1\n"
 NOT_ONE = {
     "one of two temperatures": ("t,temperature,ambient (degC),power\n" + ROW, HEATER,

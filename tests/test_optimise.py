@@ -375,6 +375,9 @@ def test_of_search_and_sawtooth_the_better_is_taken(few, monkeypatch):
     found = optimise(START, **sized, evaluations=1)
     assert found.origin == "sawtooth"
     assert {*found.landscape["name"]} == {*sized["free"]}
+    # A row of four panels below three, of which those without a number are not seen.
+    axes = found.figure().axes
+    assert (len(axes), sum(each.get_visible() for each in axes)) == (3 + 4, 3 + len(sized["free"]))
     assert {*found.values} == {"drive.direction", *sized["free"]}
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from real import study
-from real.flights import read_drops
+from real.flights import find_flights, read_drops
 from real.impacts import HEIGHTS, diagnose_impacts, first_impacts, heights, robust_fit, velocities
 from real.score import Measured, Truth, judged, row
 
@@ -112,3 +112,35 @@ def test_the_robust_fit_does_not_depend_on_where_it_begins():
     first, second = (np.sort(robust_fit(velocities, impacts, seed)[1], axis=1) for seed in (0, 1))
     np.testing.assert_allclose(np.median(second, axis=1), np.median(first, axis=1), rtol=0.02)
     np.testing.assert_allclose(second[:, -1], first[:, -1], rtol=0.02)
+
+
+def test_flights_have_no_frame_at_rest():
+    drops = read_drops(DROPS)
+    flights = find_flights(drops)
+    assert {flight.drop for flight in flights} == set(range(len(drops)))
+    for drop, first, end in flights:
+        z = drops.poses[drop, first:end, 1]
+        bend = np.polyfit(np.arange(len(z)) / 250.0, z, 2)[0]
+        # g / 2 is -4.9 m/s^2, and 0 at rest. A parabola of 1 m/s^2 ends 80 um above a line through
+        # seven frames, so that a tolerance of 0.25 mm lets 3.1 m/s^2 pass.
+        assert -8.1 < bend < -1.7
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("drop,frame,x,z\n1,0,0,0\n", "no column theta_ccw"),
+        ("drop,frame,x,z,theta_ccw\n1,0,0,0,0\n1,1,0,nan,0\n", "all of them numbers"),
+        (None, ""),
+    ],
+)
+def test_a_file_that_is_no_table_of_drops_is_refused_in_one_line(tmp_path, capsys, text, said):
+    path, out = tmp_path / "few.csv", tmp_path / "out.json"
+    if text is not None:
+        path.write_text(text)
+    assert study.main(["drops", "--drops", str(path), "--out", str(out)]) == 2
+    message = capsys.readouterr().err
+    assert message.count("\n") == 1
+    assert said in message
+    assert str(path) in message
+    assert not out.exists()

@@ -3,8 +3,6 @@
 A run has one motion, however it is computed: alone, in a pack, recorded, step by step, from a
 snapshot on, in one plane or in the whole. Where one program computes it, the bits are the same;
 where two do, the numbers are, within a tolerance.
-
-Run as a program, it prints each difference in a line: ``python tests/ways_to_run.py singles``.
 """
 
 from __future__ import annotations
@@ -31,7 +29,6 @@ from effect_table import (
     across,
     field_map,
     first_difference,
-    register_own_effects,
     said,
     to_the_bit,
 )
@@ -404,20 +401,3 @@ WAYS: dict[str, Way] = {
     "in both planes": in_both_planes,
     "from behind": from_behind,
 }  # fmt: skip
-
-
-def main() -> None:
-    """Prints each difference in a line: way, case, what."""
-    choices = sys.argv[1:] or ["singles", "pairs"]
-    # Compiling them takes longer than most choices.
-    if {"singles", "pairs", "all", *OWN} & {name for each in choices for name in each.split(",")}:
-        register_own_effects()
-    for choice in choices:
-        table = Table(choice)
-        for name, way in WAYS.items():
-            for difference in way(table):
-                print(f"{name}: {difference}", flush=True)
-
-
-if __name__ == "__main__":
-    main()

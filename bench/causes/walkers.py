@@ -76,14 +76,18 @@ def made(number: int) -> tuple[dict[str, str], dict[str, Any]]:
         for k, values in enumerate(level + trial)
         for value, drive in zip(values, driven, strict=True)
     ]
+    return files_of([columns, *rows]), {"cause": cause, "model_error": error}
+
+
+def files_of(rows: list[list[str]]) -> dict[str, str]:
+    """Files of a measurement by name, of a log's heads and rows."""
     stated = "\n".join(f'"{name}" = {each.stated}' for name, each in STATED.items())
-    files = {
-        "log.csv": "\n".join(",".join(row) for row in [columns, *rows]) + "\n",
+    return {
+        "log.csv": "\n".join(",".join(row) for row in rows) + "\n",
         "nominal.toml": f"stickslip = 1\n\n[drive]\npulses = {PULSES}\n",
         "measurement.toml": 'stickslip_measurement = 1\nname = "walker"\n'
         f'scenario = "nominal.toml"\n\n[uncertain]\n{stated}\n\n[[velocity]]\nfile = "log.csv"\n',
     }
-    return files, {"cause": cause, "model_error": error}
 
 
 def make() -> None:

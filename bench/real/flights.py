@@ -42,9 +42,6 @@ class Drops:
     def __len__(self) -> int:
         return len(self.name)
 
-    def some(self, which: np.ndarray) -> Drops:
-        return Drops(self.name[which], self.poses[which])
-
 
 def read_drops(path: Path) -> Drops:
     """Drops of a table, which may be compressed; a ValueError that names the file if it is none."""

@@ -9,7 +9,7 @@ from scipy.special import ndtr
 from scipy.stats import f as f_law
 from scipy.stats import t as t_law
 
-from stickslip.diagnosis.data.errors import _Scatter, along_runs, estimate
+from stickslip.diagnosis.data.errors import _Scatter, along_runs, estimate, meter_step
 from stickslip.walker.simulated import of_readings
 
 LEVEL = np.geomspace(1e-4, 2e-3, 30) * (-1.0) ** np.arange(30)
@@ -73,6 +73,26 @@ def test_the_likelihood_is_that_of_the_whole_covariance(stated):
     columns = {name: np.array([each[name] for each in draws]) for name in scatter.noise.names}
     rise = scatter.noise.loss(columns) - [whole(each) for each in draws]
     assert rise - rise[0] == pytest.approx(np.zeros(5), abs=1e-5)
+    # What readings share is so many of their errors: twice as much, four times the covariance.
+    ones = np.ones((5, 8))
+    for place, name in enumerate(("shift", "gain"), 1):
+        once, twice = (
+            scatter._covariances({**columns, name: columns[name] + more}, np.ones(5), ones)
+            for more in (0.0, math.log(2.0))
+        )
+        assert twice[0][place] == pytest.approx(4.0 * once[0][place])
+
+
+@pytest.mark.parametrize(
+    ("readings", "step"),
+    [
+        ((0.0, 0.2, 0.4, 1.0, 0.6), 0.2), ((0.0, 0.2, 0.4, 1.0), 0.0),
+        ((7.0, 8.0, 9.5, 11.0, 12.25), 0.25), ((7.0, 8.0, 9.4, 11.0, 12.2), 0.0),
+        ((0.0, 1.0, 2.0, 3.0, 4.0008), 1.0), ((0.0, 1.0, 2.0, 3.0, 4.0012), 0.0),
+    ],
+)  # fmt: skip
+def test_readings_show_the_step_of_their_meter(readings, step):
+    assert meter_step(np.array(readings)) == pytest.approx(step)
 
 
 @pytest.mark.parametrize("relative", [0.03, 0.035, 0.04])

@@ -22,6 +22,7 @@ from stickslip.diagnosis.entry import diagnose_model
 from stickslip.diagnosis.pipeline import run
 from stickslip.diagnosis.report.files import figures_of, page
 from stickslip.diagnosis.report.numbers import numbers_of
+from stickslip.diagnosis.report.sections import size
 from stickslip.diagnosis.report.sections.data import notes_of
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.terms import amounts
@@ -185,7 +186,7 @@ def test_a_drift_is_told_by_its_size_over_all_trials():
     assert "random order" in do
 
 
-def test_odds_are_those_of_the_ranking(rough):
+def test_odds_are_those_of_the_ranking(rough, monkeypatch):
     """And a cause has the probability of all models that have it."""
     numbers = rough.as_dict()
     chance = {row["candidate"]: row["probability"] for row in numbers["ranking"]}
@@ -199,6 +200,11 @@ def test_odds_are_those_of_the_ranking(rough):
         assert said in [row["odds"] for row in numbers["ranking"] if row["candidate"] == name]
     assert numbers["leader"]["in_all"] == pytest.approx(numbers["probabilities"]["bump"])
     assert numbers["leader"]["in_all"] > chance["bump"]
+    # A further cause is named from a probability on.
+    assert 0.006 < chance["bump + kink"] < size._FURTHER
+    assert numbers["leader"]["further"] == ""
+    monkeypatch.setattr(size, "_FURTHER", 0.006)
+    assert "kink" in rough.as_dict()["leader"]["further"].casefold()
     assert amounts.percent(numbers["leader"]["in_all"]) in rough.summary().split("\n")[1]
 
 
