@@ -47,14 +47,14 @@ def test_the_study_is_made_diagnosed_and_judged_in_parts(tmp_path, monkeypatch):
     study.make(tmp_path, asked, 10.0)
     assert (tmp_path / study.SETS).read_bytes() == made
 
-    now, opened = {"engine": "a", "data": "b"}, []
+    now, opened = {"golden": "a", "data": "b"}, []
     said = {**_row("none", [], None, "none"), "next_experiments": []}
     del said["answer"]
     monkeypatch.setattr(study, "state", lambda: now)
     monkeypatch.setattr(study, "diagnosed", lambda path: opened.append(path) or said)
     (tmp_path / study.ANSWERS).rename(tmp_path / "hidden")
     # A row of another engine says nothing; one that was cut off ends no study.
-    others = [{"name": names[0], "state": {**now, "engine": "e"}}, {"name": names[1], "state": {}}]
+    others = [{"name": names[0], "state": {**now, "golden": "e"}}, {"name": names[1], "state": {}}]
     text = "".join(json.dumps(each) + "\n" for each in others) + '{"name"'
     (tmp_path / study.SAID).write_text(text)
     for part in (1, 2, 1):
@@ -66,7 +66,7 @@ def test_the_study_is_made_diagnosed_and_judged_in_parts(tmp_path, monkeypatch):
     assert sorted(kinds) == ["none", *3 * ["none, fields"]]
     assert [row["answer"]["kind"] for row in read(tmp_path / study.RECORD)] == kinds
     # A later engine, which has judged nothing, leaves the record.
-    now["engine"] = "c"
+    now["golden"] = "c"
     with pytest.raises(SystemExit, match="no row of this engine"):
         study.judge(tmp_path)
     assert len(read(tmp_path / study.RECORD)) == 4

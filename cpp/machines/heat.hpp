@@ -97,10 +97,11 @@ private:
 
     // Weights for steps of one length.
     struct Weights {
-        double step = 0.0;                                            // s
-        std::array<Points, kStates> left = {};                        // of a mode, at each point
-        std::array<std::array<Points, kPoints>, kStates> flown = {};  // of flows into it, s
-        std::array<Points, kPoints> of_body = {};                     // into the body, K/W
+        double step = 0.0;  // s
+        // Of a mode at each point, and of a flow into it there: its value, s, and slope, s^2.
+        std::array<Points, kStates> left = {}, held = {}, rising = {};
+        std::array<Points, kStates> at_end = {};   // of flows at the points, at the end, s
+        std::array<Points, kPoints> of_body = {};  // into the body, K/W
     };
 
     static double dot(const Points& a, const Points& b) {
@@ -136,8 +137,10 @@ private:
                 for (std::size_t k = 0; k < kPoints; ++k, power *= kPlaces[i]) {
                     for (std::size_t j = 0; j < kPoints; ++j) {
                         const double part = power * found[k] * kPowers[k][j] / 3.0;
-                        w.flown[m][i][j] += part;
+                        w.held[m][i] += part;
+                        w.rising[m][i] += part * kPlaces[j] * h;
                         w.of_body[i][j] += modes_[0][m] * modes_[0][m] * part;
+                        if (i == kPoints - 1) w.at_end[m][j] += part;
                     }
                 }
             }
@@ -148,35 +151,39 @@ private:
     // After h s.
     State step(const State& z, const Lines<kInputs>& u, double h, std::size_t halvings) {
         const Weights& w = weights_of(h);
-        State begun = {}, end = {};
-        std::array<Input, kPoints> acts;
-        std::array<Points, kStates> flow;
-        for (std::size_t j = 0; j < kPoints; ++j) acts[j] = u.at(kPlaces[j] * h);
+        State begun = {}, value = {}, slope = {}, end = {};
         for (std::size_t m = 0; m < count_; ++m) {
             for (std::size_t i = 0; i < count_; ++i) begun[m] += modes_[i][m] * energy_[i] * z[i];
-            for (std::size_t j = 0; j < kPoints; ++j) {
-                flow[m][j] = modes_[0][m] * c.loss * acts[j][1] + modes_[heater_][m] * acts[j][0];
-            }
+            const double around = modes_[0][m] * c.loss, heated = modes_[heater_][m];
+            value[m] = around * u.value[1] + heated * u.value[0];
+            slope[m] = around * u.slope[1] + heated * u.slope[0];
         }
         const auto without = [&](std::size_t m, std::size_t i) {  // a mode where no loss grows
-            return w.left[m][i] * begun[m] + dot(w.flown[m][i], flow[m]);
+            return w.left[m][i] * begun[m] + w.held[m][i] * value[m] + w.rising[m][i] * slope[m];
         };
-        Points rest = {}, more = {};
-        bool settled = c.growth == 0.0;
-        if (!settled) {
+        Points more = {};
+        if (c.growth != 0.0) {
+            Points rest = {}, around, at;
             for (std::size_t i = 0; i < kPoints; ++i) {
                 for (std::size_t m = 0; m < count_; ++m) rest[i] += modes_[0][m] * without(m, i);
+                around[i] = u.value[1] + u.slope[1] * kPlaces[i] * h;
             }
-            const auto grown = [&](double at, std::size_t i) {
-                return -c.growth * std::abs(at - acts[i][1]) * (at - acts[i][1]);
+            const auto grown = [&](double body, std::size_t i) {
+                return -c.growth * std::abs(body - around[i]) * (body - around[i]);
             };
             more.fill(grown(z[0], 0));
+            bool settled = false;
             for (std::size_t round = 0; round < kRounds && !settled; ++round) {
+                // All points at once, as no sum then waits for another.
+                for (std::size_t i = 1; i < kPoints; ++i) at[i] = rest[i] + dot(w.of_body[i], more);
                 settled = true;
                 for (std::size_t i = 1; i < kPoints; ++i) {
-                    const double at = rest[i] + dot(w.of_body[i], more), now = grown(at, i);
+                    const double now = grown(at[i], i);
                     const double change = std::abs(std::exchange(more[i], now) - now);
-                    settled = settled && h * change <= kSettled * c.capacity * std::abs(at);
+                    // What is left is smaller by what the flow grows by in a step.
+                    const double left = 2.0 * h * std::abs(c.growth * (at[i] - around[i]));
+                    settled = settled && h * change * std::min(left / c.capacity, 1.0) <=
+                                             kSettled * c.capacity * std::abs(at[i]);
                 }
             }
             const double bend = h * std::abs(dot(kPowers.back(), more)) / (3.0 * c.capacity);
@@ -189,8 +196,7 @@ private:
             if (!settled) left_ = -1.0;
         }
         for (std::size_t m = 0; m < count_; ++m) {
-            const double own =
-                without(m, kPoints - 1) + modes_[0][m] * dot(w.flown[m].back(), more);
+            const double own = without(m, kPoints - 1) + modes_[0][m] * dot(w.at_end[m], more);
             for (std::size_t i = 0; i < count_; ++i) end[i] += modes_[i][m] * own;
         }
         return end;

@@ -50,11 +50,10 @@ struct Signals {
 inline double usual_step(std::span<const double> times) {
     std::vector<double> gaps;
     for (std::size_t k = 1; k < times.size(); ++k) gaps.push_back(times[k] - times[k - 1]);
-    std::sort(gaps.begin(), gaps.end());
-    const std::size_t half = gaps.size() / 2;
-    return gaps.empty()          ? 1.0
-           : gaps.size() % 2 > 0 ? gaps[half]
-                                 : 0.5 * (gaps[half - 1] + gaps[half]);
+    if (gaps.empty()) return 1.0;
+    const auto half = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
+    std::nth_element(gaps.begin(), half, gaps.end());
+    return gaps.size() % 2 > 0 ? *half : 0.5 * (*half + *std::max_element(gaps.begin(), half));
 }
 
 /// The path of one system, which has
@@ -387,23 +386,27 @@ void follow(const System& system, const typename System::State& start,
     constexpr std::size_t kInputs = System::kInputs;
     const std::size_t knots = signals.knots.size();
     std::array<std::size_t, kInputs> next = {};
-    std::array<double, kInputs> begun = {}, first = {};
+    std::array<double, kInputs> begun = {}, first = {}, due;
     Lines<kInputs> u;
     const auto value = [&](std::size_t i, std::size_t ahead = 0) {
         return signals.values[(next[i] + ahead) * kInputs + i];
     };
-    const auto due = [&](std::size_t i) {
+    const auto next_due = [&](std::size_t i) {
         return next[i] < knots ? signals.knots[next[i]] + signals.late[i]
                                : std::numeric_limits<double>::infinity();
     };
-    for (std::size_t i = 0; i < kInputs; ++i) first[i] = value(i);
+    for (std::size_t i = 0; i < kInputs; ++i) {
+        first[i] = value(i);
+        due[i] = next_due(i);
+    }
     const auto to = [&](double time) {
         for (std::size_t i = 0; i < kInputs; ++i) {
-            while (due(i) <= time) {
-                begun[i] = due(i);
+            while (due[i] <= time) {
+                begun[i] = due[i];
                 ++next[i];
                 first[i] = value(i);
-                const double left = due(i) - begun[i];
+                due[i] = next_due(i);
+                const double left = due[i] - begun[i];
                 const bool changes = signals.lines && next[i] < knots && left > 0.0;
                 u.slope[i] = changes ? (value(i, 1) - first[i]) / left : 0.0;
             }
@@ -423,7 +426,7 @@ void follow(const System& system, const typename System::State& start,
         for (double time = times[k - 1]; known && time < times[k];) {
             to(time);
             double until = times[k];
-            for (std::size_t i = 0; i < kInputs; ++i) until = std::min(until, due(i));
+            for (const double each : due) until = std::min(until, each);
             now = path.advanced(now, u, until - time);
             time = until;
         }

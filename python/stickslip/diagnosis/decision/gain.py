@@ -144,7 +144,7 @@ def held_out(
         still = [not problem.parameters[k].is_amplitude for k in terms]
         room[:, len(problem.constants) :][:, still] = 0.0
     for rows in parts:
-        kept = np.setdiff1d(np.arange(len(problem.y)), rows)
+        kept = np.delete(np.arange(len(problem.y)), rows)
         gram = _gram(problem, whole, fit, columns, kept)
         curvature = gram[:-1, :-1] + fit.precision
         downhill = gram[:-1, -1] - fit.precision @ fit.x[fit.free]
@@ -168,7 +168,7 @@ def _gram(problem: Problem, form: Form, fit: Fit, columns: Array, kept: Indices)
     if isinstance(form, Correlated):
         form = form.of_rows(kept)
         return form.gram(form.prepared(columns), h)
-    left_out = np.setdiff1d(np.arange(len(columns)), kept)
+    left_out = np.delete(np.arange(len(columns)), kept)
     ones = np.zeros((len(columns), len(left_out)))
     ones[left_out, np.arange(len(left_out))] = 1.0
     gram = form.gram(form.prepared(np.hstack([columns, ones])), h)
