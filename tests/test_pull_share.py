@@ -114,11 +114,10 @@ def test_sweeps_and_predictions_have_it_where_the_scenario_asks(scenario):
     np.testing.assert_allclose(bands.pull_share.sel(quantile=0.5), alone, rtol=1e-3)
     command = "sweep", scenario, "--vary", "drive.frequency=60,100"
     assert "pull_share" in stickslip(*command, "--set", "record.pull_share=yes").stdout
-    (scenario.parent / "u.toml").write_text(
-        '[uncertain]\n"drag.linear" = { mean = 1e-5, sd = 1e-6 }'
-    )
-    done = stickslip("predict", scenario, "--draws=2", "--figures=pull_share",
-                     "--uncertain", scenario.parent / "u.toml")  # fmt: skip
+    file = scenario.parent / "u.toml"
+    file.write_text('[uncertain]\n"drag.linear" = { mean = 1e-5, sd = 1e-6 }')
+    command = "predict", scenario, "--draws=2", "--figures=pull_share", "--uncertain", file
+    done = stickslip(*command)
     assert "pull_share needs --set record.pull_share=yes, left out" in done.stderr
 
 

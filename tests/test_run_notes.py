@@ -293,19 +293,16 @@ def test_sound_scenarios_get_none():
         static = random.uniform(0.15, 0.3)
         changes = {
             "drive.frequency": random.uniform(10.0, 120.0),
-            "drive.base": random.uniform(0.4e-3, 0.8e-3),
-            "drive.peak": random.uniform(2e-3, 3e-3),
+            "drive.base": random.uniform(0.4e-3, 0.8e-3), "drive.peak": random.uniform(2e-3, 3e-3),
             "drive.hold": random.uniform(0.8e-3, 1.2e-3),
-            "drive.pulses": int(random.integers(6, 80)),
-            "drive.coils": "pairs",
+            "drive.pulses": int(random.integers(6, 80)), "drive.coils": "pairs",
             "drive.clamp": str(random.choice(["down", "up"])),
             "robot.length": 250e-6 * random.uniform(0.9, 1.1),
             "robot.height": 100e-6 * random.uniform(0.9, 1.1),
-            "robot.mass": 25.6e-9 * random.uniform(0.9, 1.1),
-            "contact.static_friction": static,
+            "robot.mass": 25.6e-9 * random.uniform(0.9, 1.1), "contact.static_friction": static,
             "contact.kinetic_friction": static * random.uniform(0.6, 0.9),
             "contact.adhesion": random.uniform(0.0, 0.3e-6),
-        }
+        }  # fmt: skip
         run = run_of(changes)
         assert run.notes == [], (changes, run.notes)
 
