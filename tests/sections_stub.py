@@ -51,6 +51,7 @@ BY_HAND = {
         resistance: float,
         inductance: float | None = None,
         rise_time: float | None = None,
+        capacitance: float = 0.0,
     ) -> Coil: ...
 """
     + "".join(f"    @property\n    def {name}(self) -> OneCoil: ...\n" for name in COIL_NAMES),

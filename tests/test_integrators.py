@@ -155,40 +155,26 @@ CLOSE = 2e-5
 # steps that are not tightened are not enough. Others, above all those that turn over in the ramp,
 # amplify more.
 CASES = [
-    ("IPP", 1.0, 0.3, "rise", 0.0),
-    ("IPP", 2.8, 0.3, "rise", 0.0),
-    ("IPP", 4.0, 0.5, "fall", 0.0),
-    ("IPP", 7.0, 0.3, "fall", 0.0),
-    ("OPP", 1.0, 0.5, "fall", 0.0),
-    ("OPP", 2.0, 0.5, "fall", 0.0),
-    ("OPP", 2.8, 0.5, "fall", 0.0),
-    ("OPP", 5.0, 0.3, "fall", 0.0),
-    ("OPP", 10.0, 0.5, "rise", 0.0),
-    ("OPP", 15.0, 0.5, "rise", 0.0),
-    ("OPP", 2.0, 0.5, "fall", 1e-8),
-    ("OPP", 5.0, 0.5, "fall", 1e-8),
-    ("IPP", 2.8, 0.5, "fall", 1e-7),
-    ("IPP", 7.0, 0.3, "fall", 1e-7),
-    ("OPP", 2.8, 0.3, "rise", 1e-7),
-    ("OPP", 4.0, 0.3, "fall", 1e-7),
-]
+    ("IPP", 1.0, 0.3, "rise", 0.0), ("IPP", 2.8, 0.3, "rise", 0.0),
+    ("IPP", 4.0, 0.5, "fall", 0.0), ("IPP", 7.0, 0.3, "fall", 0.0),
+    ("OPP", 1.0, 0.5, "fall", 0.0), ("OPP", 2.0, 0.5, "fall", 0.0),
+    ("OPP", 2.8, 0.5, "fall", 0.0), ("OPP", 5.0, 0.3, "fall", 0.0),
+    ("OPP", 10.0, 0.5, "rise", 0.0), ("OPP", 15.0, 0.5, "rise", 0.0),
+    ("OPP", 2.0, 0.5, "fall", 1e-8), ("OPP", 5.0, 0.5, "fall", 1e-8),
+    ("IPP", 2.8, 0.5, "fall", 1e-7), ("IPP", 7.0, 0.3, "fall", 1e-7),
+    ("OPP", 2.8, 0.3, "rise", 1e-7), ("OPP", 4.0, 0.3, "fall", 1e-7),
+]  # fmt: skip
 
 
 def velocities(**solver_and_mass):
     scenarios = []
     for mode, frequency, base, edge, drag in CASES:
         keys = {
-            "drive.mode": mode,
-            "drive.hold": 1e-3 if mode == "IPP" else 2.5e-3,
-            "drive.frequency": frequency,
-            "drive.base": base * 1e-3,
-            "drive.edge": edge,
-            "drive.pulses": 5,
-            "drag.linear": drag,
-            "drag.rotational": 1e-10 * drag,
-            "contact.static_friction": 0.2,
-            "contact.kinetic_friction": 0.145,
-        }
+            "drive.mode": mode, "drive.hold": 1e-3 if mode == "IPP" else 2.5e-3,
+            "drive.frequency": frequency, "drive.base": base * 1e-3, "drive.edge": edge,
+            "drive.pulses": 5, "drag.linear": drag, "drag.rotational": 1e-10 * drag,
+            "contact.static_friction": 0.2, "contact.kinetic_friction": 0.145,
+        }  # fmt: skip
         scenarios.append(Scenario().replace({**keys, **solver_and_mass}))
     runs = simulate_batch(scenarios)
     assert all(run.ok for run in runs)

@@ -176,7 +176,7 @@ def test_no_drive_drags_unless_that_is_allowed(few, robot):
         run = simulate(draw.replace({**walk.values, "record.pull_share": "yes"}))
         assert run.pull_share <= DRAGGED["pull_share"]
     assert walk.run.pull_share < 0.5 < 1.0 < drag.run.pull_share
-    (row,) = [line for line in walk.summary().splitlines() if line.startswith("start")]
+    (row,) = [line for line in walk.summary().splitlines() if line.startswith("start ")]
     assert row.endswith(", dragged")
     for found, noted in ((walk, set()), (drag, {"dragged"})):
         assert {"dragged", "pulled"} & {note.code for note in found.run.notes} == noted
@@ -254,6 +254,16 @@ def test_the_better_way_is_found_or_told_where_the_direction_is_stated(few):
         assert found.scenario.drive.direction == "+x"
         assert found.other_way > abs(found.search["mean"])
         assert "the other way a drive that was tried" in found.summary()
+        assert f"--minimise {found.goal.figure} searches there" in found.summary()
+        assert "velocity_along does" not in found.summary()
+    ahead = Scenario(drive=Drive(base=0.5e-3, pulses=8))
+    words = {"drive.direction": ["-x"], "drive.frequency": (90.0, 110.0)}
+    found = optimise(ahead, maximise="mean_velocity", free=words, **LITTLE)
+    assert found.search["mean"] < 0.0 < found.other_way
+    assert "along drive.direction = -x does --maximise velocity_along" in found.summary()
+    found = optimise(ahead, maximise="velocity_along", free=words, **LITTLE)
+    assert found.search["mean"] > 1e-3
+    assert "the other way" not in found.summary()
 
 
 def test_the_fastest_drives_without_limits_of_walking_get_the_note_on_flight():
@@ -395,6 +405,7 @@ def test_a_sawtooth_beside_a_free_waveform_is_taken_as_a_program(few):
     # It drives no coil that the waveform may not.
     clamp = optimise(start, knots=3, coils=("clamp",), allow_flight=True, **options)
     assert clamp.sawtooth is None
+    assert "no sawtooth to compare with: it drives xp, which --coils leaves" in clamp.summary()
 
 
 def test_no_neighbour_within_the_limits_is_better(few):
@@ -421,6 +432,7 @@ def test_ctrl_c_keeps_the_best_so_far(few, batches):
     best = max(simulate(each).mean_velocity for each in tried)
     assert found.search["score"] == simulate(found.scenario).mean_velocity == best
     assert found.sawtooth is None
+    assert "no sawtooth to compare with: it was interrupted" in found.summary()
     assert found.landscape.empty
     assert found.table.empty
     assert found.as_dict()["fresh"] == {}
@@ -466,6 +478,8 @@ def test_a_program_has_no_sawtooth():
                      evaluations=20)  # fmt: skip
     assert found.sawtooth is None
     assert "sawtooth" not in found.table.index
+    assert 'no sawtooth to compare with: drive.mode = "program"' in found.summary()
+    assert "\nstart: the scenario's own; search: what the search found; best: " in found.summary()
 
 
 def test_words_alone_and_a_map_are_written(few, tmp_path):

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 from scipy.integrate import simpson
 
-from stickslip import Coils, Scenario, Waveform, simulate, simulate_batch
+from command_line import stickslip
+from stickslip import Coils, Scenario, Waveform, predict, simulate, simulate_batch, sweep
 
+TEXT = "stickslip = 1\n[drive]\nbase = 0.5e-3\npulses = 6\n"  # see `scenario` of conftest
 MOMENT = 5e5 * 250e-6 * 130e-6 * 100e-6  # A m^2
 ASKED = {"record.pull_share": "yes"}
 WALK = {"drive.base": 0.5e-3, "drive.pulses": 20}
@@ -100,6 +102,23 @@ def test_asking_changes_no_other_number_and_packs_agree_to_the_bit():
         assert alone.pop("pull_share") > 0.0
         plain["notes"] = alone["notes"]  # which go by the share where it is known
         assert repr(plain) == repr(alone)
+
+
+def test_sweeps_and_predictions_have_it_where_the_scenario_asks(scenario):
+    base, at = Scenario().replace(WALK), {"drive.frequency": [60.0, 100.0]}
+    alone = [share({**WALK, "drive.frequency": each}) for each in at["drive.frequency"]]
+    assert "pull_share" not in sweep(base, at)
+    assert sweep(base.replace(ASKED), at).pull_share.values.tolist() == alone
+    prior = {"drag.linear": {"mean": 1e-5, "sd": 1e-12}}
+    bands = predict(base.replace(ASKED), at, 2, uncertain=prior)
+    np.testing.assert_allclose(bands.pull_share.sel(quantile=0.5), alone, rtol=1e-3)
+    command = "sweep", scenario, "--vary", "drive.frequency=60,100"
+    assert "pull_share" in stickslip(*command, "--set", "record.pull_share=yes").stdout
+    file = scenario.parent / "u.toml"
+    file.write_text('[uncertain]\n"drag.linear" = { mean = 1e-5, sd = 1e-6 }')
+    command = "predict", scenario, "--draws=2", "--figures=pull_share", "--uncertain", file
+    done = stickslip(*command)
+    assert "pull_share needs --set record.pull_share=yes, left out" in done.stderr
 
 
 def test_without_friction_or_motion_there_is_no_share():

@@ -12,6 +12,7 @@ from scipy.integrate import solve_ivp
 from scipy.special import ellipk
 
 from stickslip import Prior, ScenarioError, Series, Table, diagnose_model, events, models
+from stickslip.cli.options import stated
 from stickslip.diagnosis.data.signal import Signal
 from stickslip.models.kinds import KINDS
 from stickslip.models.model import Kind
@@ -698,8 +699,10 @@ def test_a_lag_of_readings_is_told_with_the_step_by_which_a_held_input_may_switc
 
 def test_what_is_stated_is_a_constant_and_what_is_not_is_a_cause():
     log = Series(T, np.sin(T), {"torque": np.cos(T)})
-    joint = models.joint(inertia=Prior("log-normal", 0.1, 1.3), coulomb=(0.2, 0.1), viscous=0.3,
-                         stribeck=(0.1, 0.05), without=["gravity"])  # fmt: skip
+    joint = models.joint(inertia={"median": 0.1, "factor": 1.3}, coulomb=(0.2, 0.1), viscous=0.3,
+                         stribeck=stated("stribeck", "0.1:0.2"), without=["gravity"])  # fmt: skip
+    assert joint.known["inertia"] == Prior("log-normal", 0.1, 1.3)
+    assert joint.known["stribeck"] == Prior("uniform", 0.1, 0.2)
     uncertain, causes = joint.terms([log, log.named("other")])
     assert [each.name for each in uncertain] == [
         "inertia", "coulomb", "stribeck", "stribeck_speed", "start_speed"]  # fmt: skip

@@ -81,6 +81,13 @@ def test_each_verdict_has_a_page_of_its_numbers(results, kind, tmp_path):
     assert "Verdict" in result._repr_html_()
 
 
+def test_twins_end_in_what_to_do_where_one_is_known_to_be_absent(rough):
+    chance = [each for each in rough.chance.fits if len(each.causes) == 1]
+    told = made.said(rough, "ambiguous", members=chance[:2], causes=("bump", "wave"), common=())
+    line = told.summary().split("\n")[0]
+    assert line.endswith("leave it out: a ready-made model does with --set without=bump.")
+
+
 def words_of(value, names):
     """Names and words in a dictionary of numbers, wherever a key has one of the names."""
     if isinstance(value, list):

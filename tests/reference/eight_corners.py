@@ -78,25 +78,9 @@ def _note(
 
 @njit(error_model="numpy")
 def march_corners(
-    block,
-    wires,
-    circuit,
-    seg_start,
-    seg_level,
-    seg_slope,
-    now,
-    after,
-    near,
-    trial,
-    step,
-    memory,
-    shortest,
-    halvings,
-    end,
-    window,
-    rate,
-    samples,
-):
+    block, wires, circuit, seg_start, seg_level, seg_slope, now, after, near, trial, step, memory,
+    shortest, halvings, end, window, rate, samples,
+):  # fmt: skip
     """Integrate from `now` until `end` s.
 
     seg_start (s,) s, seg_level, seg_slope (s, 5): modal voltages of the coils, wires (5, 5, 3) m;

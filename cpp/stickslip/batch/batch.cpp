@@ -158,7 +158,7 @@ std::vector<SweepPoint> sweep(const Scenario& base, const std::vector<std::strin
     const auto scenario_of = [&](std::size_t index) -> std::optional<Scenario> {
         try {
             Scenario scenario = rows[index];
-            scenario.record = {};
+            scenario.record = {.pull_share = scenario.record.pull_share};
             check(scenario);
             return scenario;
         } catch (const std::logic_error& refusal) {

@@ -122,10 +122,17 @@ const std::vector<NoteRow>& note_rows() {
          .text = STICKSLIP_REST "friction holds it, {contact.static_friction=} under weight and "
                  "adhesion of {resting_force:nN}; with a quarter of the friction it walks"},
         {.code = "rest-drag", .value = "drag.rotational", .first_of = "rest",
-         .when = STICKSLIP_IF(f.stuck()),
+         .when = STICKSLIP_IF(f.stuck() && f.s.drag.rotational > 0.0),
          .trials = STICKSLIP_TRY(with_drag(1e-3 * f.s.drag.linear, 1e-3 * f.s.drag.rotational)),
-         .text = STICKSLIP_REST "drag holds it, {drag.linear=} and {drag.rotational=}; with a "
-                 "thousandth of both it walks"},
+         .text = STICKSLIP_REST "drag holds it, {advice} it walks",
+         .advice = STICKSLIP_ADVICE(
+             f.s.drag.linear > 0.0
+                 ? "{drag.linear=} and {drag.rotational=}; with a thousandth of both"
+                 : "{drag.rotational=}; with a thousandth")},
+        {.code = "rest-drag", .value = "drag.linear", .first_of = "rest",
+         .when = STICKSLIP_IF(f.stuck()),
+         .trials = STICKSLIP_TRY(with_drag(1e-3 * f.s.drag.linear, 0.0)),
+         .text = STICKSLIP_REST "drag holds it, {drag.linear=}; with a thousandth it walks"},
         {.code = "rest-torque", .value = "torque", .first_of = "rest",
          .when = STICKSLIP_IF(f.stuck()),
          .trials = STICKSLIP_TRY(with_field(f, 2.0), with_field(f, 5.0)),

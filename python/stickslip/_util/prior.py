@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from statistics import NormalDist
 from typing import Literal
@@ -15,8 +16,7 @@ from stickslip._util.messages import shown
 from stickslip._util.text import is_number
 from stickslip.errors import ScenarioError
 
-_EDGE = 5.0
-"""Standard deviations at which a range ends. Chosen: 6e-7 of it lie beyond."""
+_EDGE = 5.0  # standard deviations at which a range ends; chosen: 6e-7 of it lie beyond
 
 NUMBERS: dict[Literal["normal", "log-normal", "uniform", "log-uniform"], tuple[str, str]] = {
     "normal": ("mean", "sd"),
@@ -69,6 +69,12 @@ class Prior:
     def __repr__(self) -> str:
         return f"{self.kind}({self.first:g}, {self.second:g})"
 
+    @staticmethod
+    def of_table(table: Mapping[str, float]) -> Prior | None:
+        """The prior of such numbers by name; None where no kind has these."""
+        kind = next((kind for kind, names in NUMBERS.items() if {*names} == {*table}), None)
+        return kind and Prior(kind, *(table[name] for name in NUMBERS[kind]))
+
     @property
     def table(self) -> dict[str, float]:
         """Its numbers by name, as a file has them."""
@@ -96,10 +102,8 @@ class Prior:
             return -math.inf if self.has_middle else -_EDGE
         move = math.log(value / self.first) if self.is_logarithmic else value - self.first
         share = move / self._width
-        if self.has_middle:
-            return share
-        if not 0.0 < share < 1.0:
-            return math.copysign(_EDGE, share - 0.5)
+        if self.has_middle or not 0.0 < share < 1.0:
+            return share if self.has_middle else math.copysign(_EDGE, share - 0.5)
         return min(max(NormalDist().inv_cdf(share), -_EDGE), _EDGE)
 
     @property
@@ -112,5 +116,4 @@ class Prior:
 
 def _shares(z: Array) -> Array:
     """Standard normal distribution function; like SciPy's ndtr, exact to rounding at both ends."""
-    erfc = np.frompyfunc(math.erfc, 1, 1)
-    return np.asarray(0.5 * np.asarray(erfc(-z * math.sqrt(0.5)), dtype=float))
+    return np.asarray(0.5 * np.vectorize(math.erfc, [float])(-z * math.sqrt(0.5)))

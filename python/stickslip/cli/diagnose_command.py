@@ -64,9 +64,10 @@ _SAID_FIRST = 3
 @pairs(
     "--set",
     stated,
-    "NAME=VALUE or NAME=VALUE,ERROR, such as inertia=0.1,0.002",
-    "What is known of a ready-made model: a value, or a value and its standard deviation, in SI "
-    "units, temperatures as in the log; also reads, smooth and without",
+    "NAME=VALUE, NAME=VALUE,ERROR or NAME=LOW:HIGH, such as inertia=0.1,0.002",
+    "What is known of a ready-made model: a value, a value and its standard deviation, or "
+    "LOW:HIGH of a uniform prior, in SI units, temperatures as in the log; also reads, smooth and "
+    "without",
     metavar="NAME=VALUE",
 )
 @click.option(

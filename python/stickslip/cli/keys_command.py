@@ -11,16 +11,30 @@ from stickslip._util.messages import shown
 from stickslip.cli.options import JSON, key_names
 from stickslip.cli.output import print_json
 from stickslip.errors import ScenarioError
-from stickslip.scenario.held import OBJECTS
-from stickslip.scenario.keys import LAWS, Key, key_hint, known_keys
+from stickslip.scenario.held import OBJECTS, PATHS
+from stickslip.scenario.keys import LAWS, SECTIONS_BESIDE, Key, key_hint, known_keys
 
 FILES = {held.section: f"{held.about}; relative to the scenario" for held in OBJECTS.values()}
 """Keys that name a file, by their section."""
 
+_OTHERS = {
+    **{key: FILES[held.section] for key, held in PATHS.items()},
+    "coil.field_per_ampere, coil.radius, coil.rise_time": "coils as they are measured, in place of "
+    "turns: field_per_ampere (T/A), distance, side or radius, resistance, inductance or rise_time "
+    "(s); in Python Coil.of",
+    "robot.material, robot.density": 'material = "NdFeB N42", or density (kg/m^3), in place of '
+    "mass, beside length, width and height; in Python Robot.of",
+    **{f"[{section}]": about for section, about in SECTIONS_BESIDE.items()},
+    "[[velocity]], [[tracking]], [[angle]], [[field]]": "sections of a measurement file, which "
+    '"stickslip diagnose TABLE.csv" prints for the columns of a table',
+}
+"""Words of files that are no keys of a scenario."""
+
 
 @click.command(
     "keys",
-    help="""List all keys of a scenario, or those that have a WORD in their name.
+    help="""List all keys of a scenario, and other words of files, or those that have a WORD in
+    their name.
 
     WORD is any part of a name, such as drive, friction or drive.frequency; where no name has it,
     meanings are searched.
@@ -37,20 +51,21 @@ def command(word: str, as_json: bool) -> None:
         *known_keys().values(),
         *(known_keys()[f"{LAWS}NAME.{key}"] for key in _core.law_keys),
     ]
-    keys = [known_keys()[name] for name in having(word, {k.name: k.meaning for k in known})]
-    if not keys and word in known_keys():  # of a law by its own name
-        keys = [known_keys()[word]]
-    if not keys:
+    names = having(word, {k.name: k.meaning for k in known} | _OTHERS)
+    if not names and word in known_keys():  # of a law by its own name
+        names = [word]
+    if not names:
         raise ScenarioError(f"{word}: no key has this word; {key_hint(word)}")
+    keys = [known_keys()[name] for name in names if name not in _OTHERS]
+    others = {name: _OTHERS[name] for name in names if name in _OTHERS}
     if as_json:
-        print_json({"keys": [as_dict(key) for key in keys]})
+        print_json({"keys": [as_dict(key) for key in keys], "others": others})
         return
     blocks = []
     for section in dict.fromkeys(key.section for key in keys):
         lines = [_line(key) for key in keys if key.section == section]
         blocks.append("\n".join([f"[{section}]", *lines]))
-        if section in FILES and len(lines) > 1:
-            blocks[-1] += "\n" + indented(FILES[section])
+    blocks += [f"{name}\n{indented(about)}" for name, about in others.items()]
     click.echo("\n\n".join(blocks))
 
 

@@ -36,7 +36,7 @@ def load_model(text: str, given: Mapping[str, Any], logs: Sequence[Source]) -> A
             return make(**({} if reads is None else {"reads": reads}), **given)
         except ScenarioError as error:
             raise ScenarioError(
-                f"{error}; --set NAME=VALUE or --set NAME=VALUE,ERROR states it, and "
+                f"{error}; --set NAME=VALUE, NAME=VALUE,ERROR or NAME=LOW:HIGH states it, and "
                 f'"stickslip init --model {text}" writes a file with all of them'
             ) from None
     file, colon, name = text.rpartition(":")

@@ -12,6 +12,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from stickslip._util.messages import MOST_VALUES, shown
+from stickslip._util.prior import Prior
 from stickslip.scenario.held import PATHS
 from stickslip.scenario.keys import Value, full_name, known_keys
 
@@ -68,12 +69,14 @@ def number(key: str, text: str) -> float:
 
 
 def stated(key: str, text: str) -> Any:
-    """A term of a model by ``--set``: a value, a value and its error, words."""
+    """A term of a model by ``--set``: a value, with its error, the ends of a range, words."""
     if re.fullmatch(r"[+-]?(0,\d+|\d+,0\d+)", text):  # a decimal comma
         raise ValueError(
             f"write {text.replace(',', '.')} with a decimal point, or VALUE,ERROR with a point in "
             "both"
         )
+    if ":" in text:
+        return Prior("uniform", *(number(key, part.strip()) for part in text.split(":", 1)))
     values = [number_or_word(part.strip()) for part in text.split(",")]
     if key == "without":
         return [str(value) for value in values]

@@ -16,7 +16,7 @@ from stickslip.cli import options, output
 from stickslip.cli.loading import load_uncertain
 from stickslip.cli.progress import progress_bar
 from stickslip.simulation.note import lines_of_json
-from stickslip.simulation.quantities import NUMBERS
+from stickslip.simulation.quantities import ASKED, NUMBERS
 from stickslip.simulation.run import SUFFIXES
 from stickslip.simulation.seen_from_drive import VELOCITIES, shown_velocities
 from stickslip.sweeping.checkpoint import write
@@ -99,7 +99,8 @@ def command(
     if figures:
         there = [name for name in figures if name in data]
         for name in [name for name in figures if name not in there]:
-            output.say(f"stickslip: note: {name} is one of the whole plane, left out", err=True)
+            why = f"needs --set {ASKED[name]}=yes" if name in ASKED else "is one of the whole plane"
+            output.say(f"stickslip: note: {name} {why}, left out", err=True)
         data = data[["failed", "quantile", *there, *(f"{name}_error" for name in there)]]
     if as_json:
         output.print_json(_as_dict(data))

@@ -22,6 +22,7 @@ from stickslip.cli.progress import progress_bar
 from stickslip.errors import ScenarioError
 from stickslip.extras import naming_the_extra
 from stickslip.simulation.note import lines_of_json
+from stickslip.simulation.quantities import ASKED
 from stickslip.simulation.run import SUFFIXES
 from stickslip.simulation.seen_from_drive import shown_velocities
 
@@ -41,8 +42,9 @@ _SHOWN = ("theta_min", "theta_max", "slip_up", "slip_down", "airborne_fraction")
     "sweep",
     help="""Simulate a SCENARIO (a TOML file) at all combinations of the values of some keys.
 
-    Prints the summaries; what the scenario records is ignored. A point that fails is a status in
-    the results: the command still succeeds, and says on standard error how many there are.
+    Prints the summaries, with pull_share by --set record.pull_share=yes; what else the scenario
+    records is ignored. A point that fails is a status in the results: the command still succeeds,
+    and says on standard error how many there are.
 
     A netCDF --out is written every second or more rarely, and on Ctrl-C, so that --resume can go on
     with it after whatever stopped the sweep, without simulating a finished point again.
@@ -179,7 +181,7 @@ def _extremes(data: xarray.Dataset, table: DataFrame) -> dict[str, dict[str, Any
 def _print(data: xarray.Dataset, table: DataFrame) -> None:
     """The points, if they are few, counts and extremes."""
     velocities, keys, units = shown_velocities(data), _keys(data), table.attrs["units"]
-    names = [*keys, "status", *velocities, *_SHOWN]
+    names = [*keys, "status", *velocities, *_SHOWN, *(name for name in ASKED if name in data)]
     output.print_points({(name, units[name] or "-"): table[name] for name in names})
     sizes = " x ".join(f"{size} {name}" for name, size in data["status"].sizes.items())
     statuses = json.loads(data.attrs["statuses"])

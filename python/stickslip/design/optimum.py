@@ -26,7 +26,7 @@ from stickslip.scenario.toml_file import files_of, scenario_writers
 from stickslip.scenario.waveform import drive_waveform
 from stickslip.simulation.note import shown_lines
 from stickslip.simulation.run import Run
-from stickslip.simulation.seen_from_drive import FROM_AXES
+from stickslip.simulation.seen_from_drive import ALONG, FROM_AXES
 from stickslip.simulation.simulate import simulate
 
 if TYPE_CHECKING:
@@ -37,8 +37,13 @@ BEST, FIGURE = "best.toml", "best.png"
 VOLTAGES = "csv"
 """Ending of the file of its voltages, which is their result, after ``best.``."""
 
-COMPARED = ("start", "search", "sawtooth", "best")
-"""The drives that are judged on fresh draws."""
+COMPARED = {
+    "start": "the scenario's own",
+    "search": "what the search found",
+    "sawtooth": "the best of a grid of sawtooths",
+    "best": "what is written, the better one or a better neighbour",
+}
+"""The drives that are judged on fresh draws, and what they are."""
 
 ABOUT = 32
 """Draws of the landscape; chosen: enough for differences, not for its level."""
@@ -100,7 +105,7 @@ class Optimum(OneLine):
         Words and numbers of the best drive that were free, by name, knots in V; of a sawtooth
         beside a free waveform all its keys.
     sawtooth : dict or None
-        The best sawtooth by its keys; None where none is within the limits.
+        The best sawtooth by its keys; None where none is within the limits, or the drive is none.
     landscape : pandas.DataFrame
         A row for each free number: name, unit, best, kind ("at a limit", "peak", "plateau"),
         loss (part of the score that is lost nearby), at_end ("low", "high" or ""), and lists of
@@ -189,15 +194,12 @@ class Optimum(OneLine):
             f"{'largest' if goal.sign > 0.0 else 'least'} {goal.figure} found, {goal.unit}; the "
             f"score is the {goal.score} of the draws:",
             *shown.to_string(float_format="{:.6g}".format).splitlines(),
-            *["no sawtooth to compare with"] * (self.sawtooth is None),
+            *["; ".join(f"{name}: {COMPARED[name]}" for name in self.table.index)]
+            * (not self.table.empty),
+            *[f"no sawtooth to compare with: {self._no_sawtooth}"] * (self.sawtooth is None),
             *["the best sawtooth is better than the search"] * (self.origin == "sawtooth"),
             *[f"better neighbours that were taken: {self.moves}"] * (self.moves > 0),
-            *[
-                f"the other way a drive that was tried within the limits is faster, mean "
-                f"{self.other_way:.6g} {goal.unit}: for the best of these, state drive.direction, "
-                f"or exchange --maximise and --minimise"
-            ]
-            * bool(self.other_way > abs(self.search["mean"])),
+            *self._other_way_lines,
             "the best drive:",
             *(f"  {line}" for line in self._drive_lines()),
             f"  in flight {100.0 * self.run.numbers['airborne_fraction']:.3g} % of the time",
@@ -220,6 +222,35 @@ class Optimum(OneLine):
     def _is_backward(self) -> bool:
         directed = self.run.scenario.drive.kind != "program"
         return directed and self.goal.figure in FROM_AXES and bool(self.run.velocity[0] < 0.0)
+
+    @property
+    def _no_sawtooth(self) -> str:
+        """Why there is none."""
+        drive = self.start.drive
+        if drive.kind != "sawtooth":
+            return f'drive.mode = "{drive.mode}"'
+        coils = {name.partition(" ")[0] for name in self.values if " " in name}
+        driven = np.flatnonzero(drive_waveform(self.start).voltages([drive.ramp])[0])
+        left_out = [COIL_NAMES[k] for k in driven if coils and COIL_NAMES[k] not in coils]
+        if left_out:
+            return f"it drives {', '.join(left_out)}, which --coils leaves out"
+        none = "none of the grid is within the limits in every draw"
+        return "it was interrupted" if self.interrupted else none
+
+    @property
+    def _other_way_lines(self) -> list[str]:
+        """Where a drive is faster the other way, what to ask for."""
+        figure, sign = self.goal.figure, self.goal.sign
+        if not self.other_way > abs(self.search["mean"]):
+            return []
+        asked, exchanged = ("maximise", "minimise")[:: int(sign)]
+        text = (
+            f"the other way a drive that was tried within the limits is faster, mean "
+            f"{self.other_way:.6g} {self.goal.unit}: --{exchanged} {figure} searches there"
+        )
+        if figure == "mean_velocity" and self.values.get("drive.direction") == "-x":
+            text += f"; along drive.direction = -x does --{asked} {ALONG}"
+        return [text]
 
     def _drive_lines(self) -> list[str]:
         """A line for each key, and for the knots of each coil."""

@@ -23,14 +23,14 @@ from stickslip.errors import ScenarioError, prefixed
 from stickslip.models.log import Columns
 from stickslip.models.physics import Inputs
 
-Known = float | tuple[float, float] | Prior
-"""Knowledge of a term: its value; its value and standard deviation; or a Prior."""
+Known = float | tuple[float, float] | Prior | Mapping[str, float]
+"""Knowledge of a term: its value; its value and standard deviation; a Prior, or a table of one."""
 
 Physics = Callable[[Array, Inputs, Mapping[str, Array]], Array]
 """``physics(t, inputs, values)``: states, (readings, states, vectors), at times, (readings,).
 Values by name, (vectors,), have the usual `step` of the readings too, s."""
 
-_KNOWN = "a number, (value, error) or a Prior"
+_KNOWN = "a number, (value, error), or a Prior or table such as { min, max }"
 
 _COARSE = 100
 """Parts of a record between whose ends slopes are taken for the usual size of a derivative. Chosen:
@@ -497,6 +497,10 @@ def _checked(at: str, given: object) -> float | Prior:
     if isinstance(given, tuple) and len(given) == 2:
         with prefixed(at):
             return Prior("normal", *given)
+    with prefixed(at):
+        prior = Prior.of_table(given) if isinstance(given, Mapping) else None
+    if prior is not None:
+        return prior
     refuse(at, given, _KNOWN)
 
 

@@ -39,7 +39,7 @@ class Held:
     meaning : str
         What it is, for the section's documentation.
     about : str
-        What its file is, for who asks for the keys.
+        What its file or section is, for who asks for the keys.
     """
 
     key: str
@@ -133,7 +133,11 @@ HELD = {
             'file = "forces.csv": those on the mass in place of sines and pulses, over a period; '
             "columns t (s), force (N)",
         ),
-        Held("fluid", f"{_SCENARIO}.matter:Fluid.of_table"),
+        Held(
+            "fluid", f"{_SCENARIO}.matter:Fluid.of_table",
+            about='a section of the file, of name, such as "water", or density (kg/m^3) and '
+            "viscosity (Pa s), and wall: drag and buoyancy; in Python Scenario.in_fluid",
+        ),
     )
 }  # fmt: skip
 """By key, in the order of a file."""

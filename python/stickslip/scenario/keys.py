@@ -15,7 +15,7 @@ from stickslip._util.messages import meant, nearest, refuse, shown, suggestion
 from stickslip._util.text import is_number
 from stickslip._util.units import unit_meant
 from stickslip.errors import ScenarioError
-from stickslip.scenario.held import PATHS
+from stickslip.scenario.held import PATHS, TABLES
 
 Value = float | int | str
 """The types of a key's value."""
@@ -41,11 +41,22 @@ PROGRAM, FILE = "drive.program", "drive.file"
 COIL_MAP = "coil.map"
 """The measured field of the coils."""
 
+SECTIONS_BESIDE = {
+    **{key: held.about for key, held in TABLES.items()},
+    "uncertain": 'a section of the file, of a line for each key, such as "drag.linear" = '
+    "{ mean = 1e-5, sd = 1e-6 }; in Python Scenario.with_uncertain, for predict also --uncertain "
+    "FILE",
+}
+"""What sections without keys of a scenario are."""
+
 ROUND_HINT = (
     "coils are square; a round one of radius R is close to side = 1.77 R, a square of the same area"
 )
 """For who asks for a radius. At R = 40 mm, 60 mm away, such a square has 1.4 % less field and 0.2 %
 less gradient over field than a circle, whose field is known in closed form."""
+
+MEASURED = {"radius": "side = 1.77 radius", "rise_time": "inductance = resistance * rise_time"}
+"""Words of `Coil.of`, and what a coil has in their place whose turns are known."""
 
 _MOST_DEGREES = 360.0  # a larger number is hardly an angle
 
@@ -196,6 +207,11 @@ def key_hint(name: str, others: Iterable[str] = ()) -> str:
     section = name.rpartition(".")[0]
     if name.startswith(LAWS):
         return _law_hint(name)
+    if name in SECTIONS_BESIDE:
+        return f"it is {SECTIONS_BESIDE[name]}"
+    inside = next((key for key in (*keys, f"{LAWS}NAME") if key.startswith(f"{name}.")), None)
+    if inside is not None:
+        return f"it is a section, whose keys are changed one by one, such as {inside}"
     of_coil = f"{name.removesuffix('s')}_{COIL_NAMES[0]}"
     if of_coil in keys:
         return f"give {of_coil} = 1.0, one key a coil"

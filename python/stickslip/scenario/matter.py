@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -182,7 +183,11 @@ def _check_given(what: str, **values: object) -> None:
 
 def _named(key: str, name: Any, table: Mapping[str, Any]) -> Any:
     if not isinstance(name, str) or name not in table:
-        refuse(key, name, f"a name of the table; {suggestion(str(name), table)}")
+        word = name.casefold() if isinstance(name, str) else None
+        near = [each for each in table if word and word in each.casefold()]
+        near = near or difflib.get_close_matches(str(name), table)
+        hint = f"did you mean {' or '.join(map(shown, near))}?" if near else suggestion("", table)
+        refuse(key, name, f"a name of the table; {hint}")
     return table[name]
 
 

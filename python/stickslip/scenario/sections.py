@@ -3,13 +3,16 @@
 What type checkers know of them is in `sections.pyi`, which is made from the same table.
 """
 
+import functools
+import inspect
 import math
 from collections import namedtuple
 from collections.abc import Mapping
 
 from stickslip import _core
 from stickslip._util.arrays import in_columns
-from stickslip._util.messages import check_above_zero, refuse
+from stickslip._util.messages import check_above_zero, refuse, shown, suggestion
+from stickslip.errors import ScenarioError
 from stickslip.field.coils import Coils
 from stickslip.scenario.keys import COIL_NAMES, is_of_one_coil, keys_of
 from stickslip.scenario.matter import magnet_of
@@ -26,6 +29,29 @@ CONTACT_WORDS = tuple(_core.contact_words)
 
 OneCoil = namedtuple("OneCoil", [key.field for key in keys_of("coil.xp")])
 OneCoil.__doc__ = "Values of one coil, as those of `Coil`."
+
+
+def _by_words(make):
+    """The function of words, which refuses those that it has not and tells all that are missing."""
+    words = inspect.signature(make).parameters
+    name = make.__qualname__
+    section = name.partition(".")[0]
+    needed = [word for word, each in words.items() if each.default is each.empty]
+
+    @functools.wraps(make)
+    def made(*values, **named):
+        for word in named:
+            if word in SECTIONS[section.casefold()]._fields and word not in words:
+                refuse(word, named[word], f"{section}({word}=...), or {name} of {', '.join(words)}")
+            if word not in words:
+                hint = f"{name} has no such word; {suggestion(word, words)}"
+                raise ScenarioError(f"{word} = {shown(named[word])}: {hint}")
+        missing = [word for word in needed[len(values) :] if word not in named]
+        if missing:
+            raise ScenarioError(f"{' and '.join(missing)} missing: {name} takes {', '.join(words)}")
+        return make(*values, **named)
+
+    return made
 
 
 class Drive(Section, key="drive"):
@@ -65,6 +91,7 @@ class Coil(
         return {f"coil.{field}.{name}": number for name, number in (fields or {}).items()}
 
     @staticmethod
+    @_by_words
     def of(
         *,
         field_per_ampere,
@@ -98,7 +125,8 @@ class Coil(
         Raises
         ------
         ScenarioError
-            If both or none of a pair are given, or a number is not allowed.
+            If both or none of a pair are given, a word is missing or unknown, or a number is not
+            allowed.
         """
         given = {"field_per_ampere": field_per_ampere, "distance": distance}
         given |= {"resistance": resistance}
@@ -149,6 +177,7 @@ class Robot(Section, key="robot"):
     __slots__ = ()
 
     @staticmethod
+    @_by_words
     def of(length, width, height, *, material=None, density=None, magnetization=None):
         """A robot from its size and what it is made of.
 
@@ -166,7 +195,7 @@ class Robot(Section, key="robot"):
         Raises
         ------
         ScenarioError
-            If the material is unknown or a number is not allowed.
+            If the material or a word is unknown, a size is missing, or a number is not allowed.
         """
         robot = Robot(length=length, width=width, height=height)
         density, magnetization = magnet_of(material, density, magnetization)

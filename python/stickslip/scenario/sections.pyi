@@ -119,6 +119,7 @@ class Coil(Section, key="coil"):
         resistance: float,
         inductance: float | None = None,
         rise_time: float | None = None,
+        capacitance: float = 0.0,
     ) -> Coil: ...
     @property
     def xp(self) -> OneCoil: ...

@@ -12,11 +12,12 @@ from stickslip._util.files import read_bytes, text_writer, write_together
 from stickslip._util.messages import refuse, shown, suggestion
 from stickslip._util.text import printable, quoted
 from stickslip._util.toml import parse_toml
-from stickslip.errors import ScenarioError
+from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.effects import flat_effects
 from stickslip.scenario.held import OBJECTS, PATHS, TABLES, with_files
 from stickslip.scenario.keys import (
     IDLE,
+    MEASURED,
     PROGRAM,
     Key,
     Value,
@@ -107,15 +108,14 @@ def _made(section: str, table: Mapping[str, Any]) -> Mapping[str, Any]:
     first = next((name for name in table if name in words and name not in keys), None)
     if first is None:
         return table
-    for name, word in words.items():
-        if word.default is word.empty and name not in table:
-            raise ScenarioError(f"{section}.{name} is missing: {section}.{first} asks for it")
-    if section == "coil" and not {"inductance", "rise_time"} & table.keys():
-        raise ScenarioError("coil.inductance is missing: give inductance or rise_time")
+    if first in MEASURED and "field_per_ampere" not in table:
+        allowed = f"{MEASURED[first]} in its place, or coil.field_per_ampere beside it"
+        refuse(f"coil.{first}", table[first], allowed)
+    if section == "coil" and "turns" in table:
+        refuse("coil.turns", table["turns"], "none beside coil.field_per_ampere, which gives it")
     others = {name: value for name, value in table.items() if name not in words}
-    if section == "coil" and "turns" in others:
-        refuse("coil.turns", others["turns"], "none beside coil.field_per_ampere, which gives it")
-    made = make(**{name: table[name] for name in words if name in table})
+    with prefixed(f"[{section}]"):
+        made = make(**{name: table[name] for name in words if name in table})
     return {key: getattr(made, key) for key in keys} | others
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip._util.arrays import Array, numbers
 from stickslip._util.messages import shown
-from stickslip._util.prior import NUMBERS, Prior
+from stickslip._util.prior import Prior
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import COIL_MAP, GEOMETRY, checked, find_key, full_name, known_keys
 
@@ -19,14 +19,13 @@ _FORMS = "{ mean, sd }, { median, factor }, { min, max } (uniform) or { low, hig
 
 def parse_prior(key: str, table: object) -> Prior:
     """The prior of one entry of ``[uncertain]``; a ScenarioError if it is none of the forms."""
-    for kind, names in NUMBERS.items():
-        if isinstance(table, Mapping) and set(names) == set(table):
-            try:
-                prior = Prior(kind, *(table[name] for name in names))
-            except ScenarioError as error:
-                raise ScenarioError(f'[uncertain] "{key}" {error}') from None
-            return Prior(kind, float(prior.first), float(prior.second))
-    raise ScenarioError(f'[uncertain] "{key}" = {shown(table)}: allowed is {_FORMS}')
+    try:
+        prior = Prior.of_table(table) if isinstance(table, Mapping) else None
+    except ScenarioError as error:
+        raise ScenarioError(f'[uncertain] "{key}" {error}') from None
+    if prior is None:
+        raise ScenarioError(f'[uncertain] "{key}" = {shown(table)}: allowed is {_FORMS}')
+    return Prior(prior.kind, float(prior.first), float(prior.second))
 
 
 Matrix = tuple[tuple[float, ...], ...]

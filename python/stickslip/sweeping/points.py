@@ -58,7 +58,7 @@ class Points:
         for key in self.keys:
             if names.setdefault(name_of(key), key) != key:
                 raise ScenarioError(f"{key}: a sweep cannot vary it beside {names[name_of(key)]}")
-        self.scenario = self.scenario.without_record().replace({"record.pull_share": "no"})
+        self.scenario = self.scenario.without_record()
 
     @property
     def keys(self) -> tuple[str, ...]:

@@ -263,7 +263,8 @@ class Facts:
         ----------
         conditions : DataFrame or sequence of dict, or whatever the own model takes
             For a measurement, settings by name, such as ``frequency``. Those not given are the
-            scenario's; further columns of a table of trials, such as readings, are ignored.
+            scenario's; further columns of a table of trials, such as readings, are ignored. For a
+            ready-made model, a `Series` with its inputs, whose readings are ignored.
 
         Returns
         -------
