@@ -15,7 +15,7 @@ from stickslip._util.messages import shown, suggestion
 from stickslip.cli import options, output
 from stickslip.cli.loading import load_uncertain
 from stickslip.cli.progress import progress_bar
-from stickslip.simulation.note import lines_of_json
+from stickslip.simulation.notes import lines_of_json
 from stickslip.simulation.quantities import NUMBERS
 from stickslip.simulation.run import SUFFIXES
 from stickslip.simulation.seen_from_drive import VELOCITIES, shown_velocities

@@ -19,7 +19,7 @@ from stickslip.cli.output import check_files, drawn, print_json, print_rows, sav
 from stickslip.cli.progress import progress_bar
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.note import shown_lines
+from stickslip.simulation.notes import shown_lines
 from stickslip.simulation.quantities import NUMBERS
 from stickslip.simulation.run import SUFFIXES, Run
 from stickslip.simulation.seen_from_drive import VELOCITIES

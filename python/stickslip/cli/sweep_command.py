@@ -21,7 +21,7 @@ from stickslip.cli.loading import load_with
 from stickslip.cli.progress import progress_bar
 from stickslip.errors import ScenarioError
 from stickslip.extras import naming_the_extra
-from stickslip.simulation.note import lines_of_json
+from stickslip.simulation.notes import lines_of_json
 from stickslip.simulation.run import SUFFIXES
 from stickslip.simulation.seen_from_drive import shown_velocities
 

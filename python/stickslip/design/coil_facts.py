@@ -13,7 +13,7 @@ from stickslip._util.messages import check_above_zero, check_kind
 from stickslip.field.coils import Coils
 from stickslip.scenario.keys import COIL_NAMES, GEOMETRY
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.scenario_notes import peak_voltages
+from stickslip.simulation.notes import peak_voltages
 
 ROOM = 5e-3
 """Side of the cube around the centre in which the fringe is told, m: where such robots walk."""

@@ -24,7 +24,7 @@ from stickslip.scenario.keys import COIL_NAMES, RECORD_RATE, Value, find_key
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.toml_file import files_of, scenario_writers
 from stickslip.scenario.waveform import drive_waveform
-from stickslip.simulation.note import shown_lines
+from stickslip.simulation.notes import shown_lines
 from stickslip.simulation.run import Run
 from stickslip.simulation.seen_from_drive import FROM_AXES
 from stickslip.simulation.simulate import simulate

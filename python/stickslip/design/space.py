@@ -25,7 +25,7 @@ from stickslip.scenario.keys import (
 )
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.waveform import Waveform, drive_waveform
-from stickslip.simulation.note_table import STEADY_PULSES
+from stickslip.simulation.notes import STEADY_PULSES
 
 Values = Mapping[str, Value]
 """The free values of a drive: words and numbers by key, and knots such as "xp 3", V."""

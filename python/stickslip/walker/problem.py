@@ -30,7 +30,7 @@ from stickslip.scenario.keys import is_of_one_coil, known_keys
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.toml_file import files_of, scenario_writers
 from stickslip.scenario.uncertain import JointPrior, refuse_geometry_beside_a_map
-from stickslip.simulation.scenario_notes import peak_voltages
+from stickslip.simulation.notes import peak_voltages
 from stickslip.walker import experiments
 from stickslip.walker.angle import AngleTable
 from stickslip.walker.field import FieldTable
