@@ -12,6 +12,9 @@ from stickslip import _core
 from stickslip._util.arrays import Array, in_columns
 from stickslip._util.messages import refuse
 
+AXES = (0, 0, 1, 1, 2)
+"""Axis along which the field of each coil points at the origin, in the order of `COIL_NAMES`."""
+
 
 class HasCoils(Protocol):
     """A `Scenario`."""
