@@ -12,7 +12,6 @@ from stickslip._util.files import check_folder
 from stickslip._util.text import printable_lines
 from stickslip.cli import options, output
 from stickslip.cli.loading import load_uncertain
-from stickslip.cli.progress import progress_bar
 from stickslip.design.optimum import SearchInterrupted
 from stickslip.errors import ScenarioError, prefixed
 
@@ -141,7 +140,7 @@ def command(
         with prefixed("--out", OSError):
             check_folder(out)
     how |= {"limits": limit, "coils": [name.strip() for name in coils.split(",")]}
-    with progress_bar() as bar:
+    with output.progress_bar() as bar:
         try:
             optimum = stickslip.optimise(base, progress=bar, **how)
         except SearchInterrupted as interrupt:

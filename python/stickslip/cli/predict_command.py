@@ -14,7 +14,6 @@ from stickslip._util.columns import write_frame
 from stickslip._util.messages import shown, suggestion
 from stickslip.cli import options, output
 from stickslip.cli.loading import load_uncertain
-from stickslip.cli.progress import progress_bar
 from stickslip.simulation.notes import lines_of_json
 from stickslip.simulation.quantities import NUMBERS
 from stickslip.simulation.run import SUFFIXES
@@ -93,7 +92,7 @@ def command(
     if plot is not None:
         options.check_drawable(vary, 1)
     count = math.prod(map(len, vary.values())) * draws
-    with progress_bar(count) as bar:
+    with output.progress_bar(count) as bar:
         data = stickslip.predict(loaded, vary, draws, seed, threads=threads, progress=bar)
     whole = data
     if figures:

@@ -15,8 +15,15 @@ from stickslip._util.text import highest
 from stickslip._util.units import handy
 from stickslip.cli.loading import load_with
 from stickslip.cli.options import JSON, PATH, SET
-from stickslip.cli.output import check_files, drawn, print_json, print_rows, save_plot, say
-from stickslip.cli.progress import progress_bar
+from stickslip.cli.output import (
+    check_files,
+    drawn,
+    print_json,
+    print_rows,
+    progress_bar,
+    save_plot,
+    say,
+)
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.notes import shown_lines

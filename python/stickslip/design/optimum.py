@@ -269,7 +269,7 @@ class Optimum(OneLine):
     @property
     def files(self) -> tuple[str, ...]:
         """Names of the files that `save_report` writes."""
-        held = files_of(self.scenario.content, Path(BEST), VOLTAGES)
+        held = files_of(self.scenario, Path(BEST), VOLTAGES)
         return (BEST, *held.values(), FIGURE)
 
     def save_report(self, out: str | PathLike[str]) -> None:
@@ -282,7 +282,7 @@ class Optimum(OneLine):
         """
         folder = Path(out)
         comments = [self.beyond] if self.beyond else []
-        writers = scenario_writers(self.scenario.content, folder / BEST, comments, VOLTAGES)
+        writers = scenario_writers(self.scenario, folder / BEST, comments, VOLTAGES)
         writers[folder / FIGURE] = functools.partial(self.figure().savefig, dpi=150)
         folder.mkdir(parents=True, exist_ok=True)
         write_together(writers)

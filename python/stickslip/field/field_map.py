@@ -131,15 +131,12 @@ class FieldMap:
         """
         places = in_columns("points", points, _PLACE, unit="m")
         values = numbers("fields", fields, unit="T/A")
-        count = len(places) if places.ndim else 0
-        if places.shape != (count, 3) or values.shape != (count, len(_core.coil_names), 3):
+        if values.ndim != 3 or places.shape != (len(values), 3) or values.shape[1:] != (5, 3):
             raise ScenarioError(
                 f"points of shape {places.shape} and fields of shape {values.shape}: allowed are "
                 "(n, 3) and (n, 5, 3)"
             )
-        return cls.from_coils(
-            [(places, values[:, k]) for k in range(len(_core.coil_names))], source
-        )
+        return cls.from_coils([(places, of_coil) for of_coil in values.swapaxes(0, 1)], source)
 
     @classmethod
     def from_coils(

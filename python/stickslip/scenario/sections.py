@@ -225,20 +225,6 @@ class State(Section, key="initial"):
         return State(**{**values, "contact": CONTACT_WORDS[int(index)]})
 
 
-SECTIONS = {
-    section._name: section
-    for section in (
-        Drive,
-        Coil,
-        Robot,
-        Contact,
-        Drag,
-        Environment,
-        Shake,
-        Inner,
-        State,
-        Solver,
-        Record,
-    )
-}
+_ALL = Drive, Coil, Robot, Contact, Drag, Environment, Shake, Inner, State, Solver, Record
+SECTIONS = {section._name: section for section in _ALL}
 """Their classes by name, in the order of a file."""
