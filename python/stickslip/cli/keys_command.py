@@ -33,10 +33,7 @@ FILES = {held.section: f"{held.about}; relative to the scenario" for held in OBJ
 @click.argument("word", required=False, default="", shell_complete=key_names)
 @JSON
 def command(word: str, as_json: bool) -> None:
-    known = [
-        *known_keys().values(),
-        *(known_keys()[f"{LAWS}NAME.{key}"] for key in _core.law_keys),
-    ]
+    known = [*known_keys().values(), *(known_keys()[f"{LAWS}NAME.{key}"] for key in _core.law_keys)]
     keys = [known_keys()[name] for name in having(word, {k.name: k.meaning for k in known})]
     if not keys and word in known_keys():  # of a law by its own name
         keys = [known_keys()[word]]

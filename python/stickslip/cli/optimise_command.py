@@ -83,11 +83,7 @@ Examples:
     type=click.IntRange(2),
     help="A free waveform with so many knots of each coil; needs --limit voltage_max.",
 )
-@click.option(
-    "--coils",
-    default="xp,clamp",
-    help="Coils that a free waveform drives.",
-)
+@click.option("--coils", default="xp,clamp", help="Coils that a free waveform drives.")
 @options.UNCERTAIN
 @click.option(
     "--score",
@@ -96,16 +92,10 @@ Examples:
 )
 @click.option("--draws", type=click.IntRange(1), default=8, help="Draws in the search.")
 @click.option(
-    "--fresh",
-    type=click.IntRange(1),
-    default=64,
-    help="Other draws, to judge what was found.",
+    "--fresh", type=click.IntRange(1), default=64, help="Other draws, to judge what was found."
 )
 @click.option(
-    "--evaluations",
-    type=click.IntRange(1),
-    default=10_000,
-    help="Simulations of the search.",
+    "--evaluations", type=click.IntRange(1), default=10_000, help="Simulations of the search."
 )
 @options.SEED
 @click.option(

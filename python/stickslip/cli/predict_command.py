@@ -155,10 +155,7 @@ def _print(data: xarray.Dataset, chosen: list[str]) -> None:
         int(data.attrs["draws"]),
         int(data.attrs["failed_draws"]),
     )
-    rows = [
-        ("points", str(points)),
-        ("draws", f"{draws} of each, {failures} of all failed"),
-    ]
+    rows = [("points", str(points)), ("draws", f"{draws} of each, {failures} of all failed")]
     if failures < points * draws:
         lowest = float(data["quantile"].min())
         error = math.sqrt(lowest * (1.0 - lowest) / draws)

@@ -213,10 +213,7 @@ def _words(scenario: Scenario, key: str, given: Any) -> list[Value]:
 
 
 def _check_waveform(
-    scenario: Scenario,
-    free: Mapping[str, Any],
-    knots: object,
-    volts: float | None,
+    scenario: Scenario, free: Mapping[str, Any], knots: object, volts: float | None
 ) -> None:
     if isinstance(knots, bool) or not isinstance(knots, int) or not 2 <= knots <= _MOST_KNOTS:
         refuse("knots", knots, f"a whole number from 2 to {_MOST_KNOTS}")

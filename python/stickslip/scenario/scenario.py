@@ -62,11 +62,7 @@ from stickslip.scenario.toml_file import (
     stated,
     write_scenario,
 )
-from stickslip.scenario.uncertain import (
-    JointPrior,
-    as_joint_prior,
-    refuse_geometry_beside_a_map,
-)
+from stickslip.scenario.uncertain import JointPrior, as_joint_prior, refuse_geometry_beside_a_map
 
 _S = TypeVar("_S", bound=Section)
 

@@ -106,10 +106,7 @@ class Run(Recorded):
     recorded_until: float
 
     def __init__(
-        self,
-        scenario: Scenario,
-        outcome: Mapping[str, Any],
-        record: Mapping[str, NDArray[Any]],
+        self, scenario: Scenario, outcome: Mapping[str, Any], record: Mapping[str, NDArray[Any]]
     ) -> None:
         self.scenario = scenario
         self._record = record
