@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from stickslip._util import palette
 from stickslip._util.arrays import Array, in_columns
-from stickslip._util.messages import check_kind, refuse
+from stickslip._util.messages import check_kind
 from stickslip._util.picture import RC, Picture
 from stickslip.field.coils import AXES, Coils
 from stickslip.plot import style
@@ -61,7 +61,11 @@ def coils(scenario: Scenario, currents: ArrayLike | None = None, ax: Axes | None
         If the currents are not five finite numbers, or make no field.
     """
     check_kind("scenario", scenario, Scenario)
-    amperes = _highest_currents(scenario) if currents is None else _checked(currents)
+    if currents is None:
+        amperes = _highest_currents(scenario)
+    else:
+        allowed = "a list of five finite numbers, A"
+        amperes = in_columns("currents", currents, COIL_NAMES, allowed, axes=1, unit="A")
     made = Coils.of(scenario)
     labels = [f"{name}: {value:.3g} A" for name, value in zip(COIL_NAMES, amperes, strict=True)]
     halves, distances = (np.broadcast_to(lengths, 5) for lengths in (made.side, made.distance))
@@ -80,15 +84,6 @@ def coils(scenario: Scenario, currents: ArrayLike | None = None, ax: Axes | None
         axes.set(xlabel="x (mm)", ylabel="z (mm)", aspect="equal")
         axes.grid(visible=False)
     return style.root_figure(axes)
-
-
-def _checked(currents: ArrayLike) -> Array:
-    """Currents that a user gave."""
-    allowed = "a list of five finite numbers, A"
-    amperes = in_columns("currents", currents, COIL_NAMES, allowed, unit="A")
-    if amperes.shape != (len(COIL_NAMES),):
-        refuse("currents", currents, allowed)
-    return amperes
 
 
 def _highest_currents(scenario: Scenario) -> Array:
