@@ -5,11 +5,10 @@ from functools import partial
 import numpy as np
 from scipy.signal import lfilter
 
-from stickslip import Cause, Parameter, Prior, Series, Table, events, instruments, models
+from stickslip import Cause, Note, Parameter, Prior, Series, Table, events, instruments, models
 from stickslip.diagnosis.decision.misfit_test import tested
 from stickslip.diagnosis.model import posed
 from stickslip.diagnosis.pipeline import run
-from stickslip.simulation.note import Note
 
 ONLY_TESTED = Note("only-tested", "No cause is looked for.")
 

@@ -42,7 +42,7 @@ def stickslip(*arguments, cwd=None):
     with (
         mock.patch.multiple(sys, stdout=output, stderr=errors),
         mock.patch.object(os, "_exit", _leave),
-        mock.patch("stickslip.cli.progress.PATIENCE", math.inf),
+        mock.patch("stickslip.cli.output.PATIENCE", math.inf),
         warnings.catch_warnings(),
     ):
         warnings.simplefilter("default")

@@ -91,7 +91,7 @@ def test_a_scenario_that_is_written_is_read_back_whatever_it_is_called(tmp_path)
     drive = Drive(mode="program", program=Waveform.ipp(base=0.5e-3, pulses=2))
     scenario = Scenario(drive=drive)
     path = tmp_path / f'{WILD}"\\.toml'
-    text = write_scenario(scenario.content, path, [f"from {WILD}", "gravity = 0\n[environment]"])
+    text = write_scenario(scenario, path, [f"from {WILD}", "gravity = 0\n[environment]"])
     assert all(line.isprintable() for line in text.split("\n"))
     again = Scenario.from_toml(path)
     assert again.to_toml() == scenario.to_toml()

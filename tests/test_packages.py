@@ -32,8 +32,6 @@ WINGS = {
 ORDER = (*BASE, *SIMULATOR, *APPLICATIONS, "diagnosis", "_machines", "models", "walker", "cli")
 CORELESS = ("diagnosis", "models")
 """Packages that do not import the core either."""
-FACES = {"plot": {"design.coil_axes"}}
-"""Names that a package exports from another one: `plot.coil_lines` draws numbers of a design."""
 LAZY = ("cli", "plot")
 """Packages that may be imported inside functions: commands, and those that need an extra."""
 ROBOT = re.compile(
@@ -78,7 +76,6 @@ def test_a_module_imports_what_its_wing_may():
         if package != "cli":
             may = {*BASE, *WINGS[package]} - ({"_core"} if package in CORELESS else set())
             beyond = {name for name, *_ in needed if package_of(name) not in may}
-            beyond -= FACES.get(module.removesuffix(".__init__"), set())
             crossed |= {(module, each) for each in beyond}
     assert crossed == set()
 
@@ -93,7 +90,7 @@ def test_a_module_imports_packages_before_its_own():
         for module, needed in modules().items()
         for name, inside, types in needed
         if not types and not (inside and package_of(name) in LAZY)
-        if name not in FACES.get(package_of(module), set()) and place(name) > place(module)
+        if place(name) > place(module)
     }
     assert later == set()
 

@@ -15,8 +15,7 @@ import pytest
 
 from check_run import MEAN_VELOCITY, TOLERANCE
 from play import browser as chromium
-from stickslip import Scenario, ScenarioError, load, simulate
-from stickslip.simulation.note_table import TABLE
+from stickslip import Scenario, ScenarioError, _core, load, simulate
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "play" / "index.html"
@@ -288,7 +287,7 @@ NOTED = [
 def test_page_and_package_have_the_same_notes(same_core, opened):
     page = opened()
     start = page.evaluate("START")
-    codes = {row["code"] for row in TABLE["notes"]}
+    codes = {row["code"] for row in _core.note_rows}
     seen, shares = set(), []
     for changes in NOTED:
         run = simulate(Scenario().replace({**start, **changes}))

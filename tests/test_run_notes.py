@@ -8,15 +8,13 @@ import pytest
 import xarray
 
 from command_line import stickslip
-from stickslip import Coils, Drive, Note, Scenario, Waveform, predict, simulate, sweep
-from stickslip.simulation.note import CODES, MOST_SHOWN, by_seriousness, shown_lines
-from stickslip.simulation.note_table import TABLE
+from stickslip import Coils, Drive, Note, Scenario, Waveform, _core, predict, simulate, sweep
+from stickslip.simulation.notes import CODES, MOST_SHOWN, by_seriousness, shown_lines
 
 LIMITS = {
-    row["code"]: (row["value"], float(condition.split()[-1]))
-    for row in TABLE["notes"]
-    for condition in row["when"]
-    if "many" in row and condition.startswith(row["value"])
+    row["code"]: (row["value"], row["above"])
+    for row in _core.note_rows
+    if "many" in row and "above" in row
 }
 REST, FEWEST_PULSES = 1e-3, 20
 

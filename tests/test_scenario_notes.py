@@ -5,12 +5,10 @@ import re
 import numpy as np
 import pytest
 
-from stickslip import COIL_NAMES, Accelerations, Drive, Scenario, Waveform, simulate
+from stickslip import COIL_NAMES, Accelerations, Drive, Scenario, Waveform, _core, simulate
 from stickslip._core import field_swing
 from stickslip.scenario.keys import IDLE, known_keys
-from stickslip.simulation.note import CODES
-from stickslip.simulation.note_table import TABLE
-from stickslip.simulation.scenario_notes import scenario_notes
+from stickslip.simulation.notes import CODES, scenario_notes
 
 WEIGHT = 25.6e-9 * 9.81
 
@@ -60,7 +58,7 @@ def test_nonsense_gets_a_note(changes, code, value):
 
 
 def test_the_core_has_its_notes_in_the_order_of_all():
-    codes = [row["code"] for row in TABLE["notes"] if not row["code"].startswith("rest")]
+    codes = [row["code"] for row in _core.note_rows if not row["code"].startswith("rest")]
     assert codes == sorted(codes, key=CODES.index)
 
 

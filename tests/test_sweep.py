@@ -10,8 +10,7 @@ import xarray
 import stickslip
 from stickslip import Coil, Drive, Record, Scenario, Waveform, _core, simulate, sweep
 from stickslip.simulation.quantities import ASKED
-from stickslip.sweeping.dataset import EVENTS
-from stickslip.sweeping.notes import notes_of
+from stickslip.sweeping.dataset import EVENTS, notes_of
 from stickslip.sweeping.points import from_changes, name_of
 
 BASE = Scenario(drive=Drive(base=0.5e-3, pulses=4))

@@ -19,7 +19,7 @@ from stickslip import (
     Waveform,
 )
 from stickslip._util.units import factor_text, in_handy_units, unit_factor, unit_meant
-from stickslip.simulation.note import CODES
+from stickslip.simulation.notes import CODES
 from stickslip.simulation.unit_notes import shortest_tooth, unit_notes
 
 EARTH = np.array([20e-6, 0.0, -45e-6])  # T

@@ -20,7 +20,6 @@ from stale import VERDICTS, stale
 from stickslip import _core, effects
 from stickslip.cli.commands import loaded, stickslip
 from stickslip.scenario.keys import Key, known_keys
-from stickslip.simulation.note_table import TABLE
 
 MEASURED = Path(__file__).parents[1] / "measured"
 STUDIES = {**{name: (study.HERE / "study" / f"{name}.jsonl", tables) for name, tables in
@@ -113,7 +112,7 @@ class RunNotes(SphinxDirective):
     """A table of the notes of the core, with what their texts say of any run."""
 
     def run(self) -> list[nodes.Node]:
-        texts = {note["code"]: note["text"] for note in reversed(TABLE["notes"])}
+        texts = {note["code"]: note["text"] for note in reversed(_core.note_rows)}
         rows = []
         for code, text in reversed(texts.items()):
             words = re.sub(

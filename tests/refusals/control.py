@@ -138,7 +138,7 @@ ROWS = [
     ("path of a word", env(task="follow", path="L"), 'path = "L"'),
     ("goal beyond", env(task="reach", goal=(0.0, 1.0)), "goal: (0, 1) m lies beyond"),
     ("goal nan", env(task="reach", goal=(math.nan, 0.0)), "allowed is x and y"),
-    ("goal of three", env(task="reach", goal=(0, 0, 0)), "goal of shape (3,): allowed is (2,)"),
+    ("goal of three", env(task="reach", goal=(0, 0, 0)), "of shape (3,): allowed is shape (2,)"),
     ("goal of walk", env(goal=(1e-3, 0.0)), 'goal: the task "walk" takes none'),
     ("turning", env(turning=-3), "turning = -3: allowed is a finite number of rad/s above 0"),
     ("voltage", env(voltage=math.nan), "voltage = nan"),

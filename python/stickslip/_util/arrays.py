@@ -159,18 +159,24 @@ def in_columns(
     names: Sequence[str],
     allowed: str = _FINITE,
     *,
+    axes: int | None = None,
     absent: float | None = None,
     unit: str | None = None,
     gaps: bool = False,
     finite: bool = True,
 ) -> Array:
-    """`numbers` with the columns `names` as the last axis; columns with names in any order.
+    """`numbers` with the columns `names` as the last of `axes`; columns with names in any order.
 
     `absent` is the value of a column that is not there; without it, all have to be.
     """
     given = _named_columns(what, values)
     if given is None:
-        return numbers(what, values, allowed, unit=unit, gaps=gaps, finite=finite)
+        array = numbers(what, values, allowed, unit=unit, gaps=gaps, finite=finite)
+        if array.shape[-1:] != (len(names),) or axes not in (None, array.ndim):
+            width = len(names)
+            shape = {None: f"(..., {width})", 1: f"({width},)", 2: f"(n, {width})"}[axes]
+            raise ScenarioError(f"{what} of shape {array.shape}: allowed is shape {shape}")
+        return array
     for name in given:
         if name not in names:
             raise ScenarioError(f"{what}: {shown(name)}: {suggestion(str(name), names)}")
@@ -191,10 +197,8 @@ def in_columns(
 
 def _named_columns(what: str, values: Any) -> dict[Any, Any] | None:
     """Columns, or the numbers of a pandas Series, by their names; None where these are no texts."""
-    is_row = (
-        _is_of(values, "pandas") and hasattr(values, "index") and not hasattr(values, "columns")
-    )
-    names = list(values.index) if is_row else []
+    is_row = hasattr(values, "index") and not hasattr(values, "columns")
+    names = list(values.index) if is_row and _is_of(values, "pandas") else []
     if names and all(isinstance(name, str) for name in names):
         return _by_name(what, values, names)
     given = columns_of(what, values)

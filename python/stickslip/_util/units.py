@@ -101,19 +101,9 @@ _FACTOR = re.compile(r"(?:([^\d\s^*/.·]+?)|1)(?:\^?([+-]?\d+))?")
 _DIFFERENCE = re.compile(r"(?:delta_|delta |Δ|∆)")
 
 _SHOWN = {
-    "T": "mT",
-    "T/m": "mT/m",
-    "N": "µN",
-    "m": "µm",
-    "m/s": "mm/s",
-    "rad": "degrees",
-    "kg": "µg",
-    "H": "mH",
-    "N m s^2": "N m s²",
-    "m/s^2": "m/s²",
-    "kg m^2": "kg m²",
-    "ohm": "Ω",
-}
+    "T": "mT", "T/m": "mT/m", "N": "µN", "m": "µm", "m/s": "mm/s", "rad": "degrees", "kg": "µg",
+    "H": "mH", "N m s^2": "N m s²", "m/s^2": "m/s²", "kg m^2": "kg m²", "ohm": "Ω",
+}  # fmt: skip
 """SI unit: the one to show."""
 
 _HEADING = re.compile(r"(.*\S)\s*[(\[]\s*([^()\[\]]*?)\s*[)\]]")

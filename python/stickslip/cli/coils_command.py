@@ -11,8 +11,7 @@ import click
 from stickslip.cli import options, output
 from stickslip.cli.loading import load_with
 from stickslip.design.coil_facts import UNITS, CoilFacts, coil_facts, dimension_changes
-from stickslip.simulation.note import shown_lines
-from stickslip.simulation.scenario_notes import scenario_notes
+from stickslip.simulation.notes import scenario_notes, shown_lines
 
 _SHOWN = {
     "field": ("field at the centre", 1e3, "mT/A"),

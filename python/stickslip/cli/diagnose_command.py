@@ -12,8 +12,7 @@ import stickslip
 from stickslip._util.columns import Source
 from stickslip._util.files import check_folder
 from stickslip.cli.options import FOLDER, JSON, PATH, SEED, THREADS, pairs, stated
-from stickslip.cli.output import print_json, say, write_new
-from stickslip.cli.progress import progress_bar
+from stickslip.cli.output import print_json, progress_bar, say, write_new
 from stickslip.diagnosis.report.files import FILES as REPORT
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.errors import ScenarioError, prefixed

@@ -47,10 +47,7 @@ _OTHERS = {
 @click.argument("word", required=False, default="", shell_complete=key_names)
 @JSON
 def command(word: str, as_json: bool) -> None:
-    known = [
-        *known_keys().values(),
-        *(known_keys()[f"{LAWS}NAME.{key}"] for key in _core.law_keys),
-    ]
+    known = [*known_keys().values(), *(known_keys()[f"{LAWS}NAME.{key}"] for key in _core.law_keys)]
     names = having(word, {k.name: k.meaning for k in known} | _OTHERS)
     if not names and word in known_keys():  # of a law by its own name
         names = [word]

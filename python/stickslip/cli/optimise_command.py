@@ -12,7 +12,6 @@ from stickslip._util.files import check_folder
 from stickslip._util.text import printable_lines
 from stickslip.cli import options, output
 from stickslip.cli.loading import load_uncertain
-from stickslip.cli.progress import progress_bar
 from stickslip.design.optimum import SearchInterrupted
 from stickslip.errors import ScenarioError, prefixed
 
@@ -84,11 +83,7 @@ Examples:
     type=click.IntRange(2),
     help="A free waveform with so many knots of each coil; needs --limit voltage_max.",
 )
-@click.option(
-    "--coils",
-    default="xp,clamp",
-    help="Coils that a free waveform drives.",
-)
+@click.option("--coils", default="xp,clamp", help="Coils that a free waveform drives.")
 @options.UNCERTAIN
 @click.option(
     "--score",
@@ -97,16 +92,10 @@ Examples:
 )
 @click.option("--draws", type=click.IntRange(1), default=8, help="Draws in the search.")
 @click.option(
-    "--fresh",
-    type=click.IntRange(1),
-    default=64,
-    help="Other draws, to judge what was found.",
+    "--fresh", type=click.IntRange(1), default=64, help="Other draws, to judge what was found."
 )
 @click.option(
-    "--evaluations",
-    type=click.IntRange(1),
-    default=10_000,
-    help="Simulations of the search.",
+    "--evaluations", type=click.IntRange(1), default=10_000, help="Simulations of the search."
 )
 @options.SEED
 @click.option(
@@ -141,7 +130,7 @@ def command(
         with prefixed("--out", OSError):
             check_folder(out)
     how |= {"limits": limit, "coils": [name.strip() for name in coils.split(",")]}
-    with progress_bar() as bar:
+    with output.progress_bar() as bar:
         try:
             optimum = stickslip.optimise(base, progress=bar, **how)
         except SearchInterrupted as interrupt:

@@ -1,12 +1,15 @@
-"""The output of commands: lines, tables, JSON, files."""
+"""The output of commands: lines, tables, JSON, files, and a bar while they work."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import contextlib
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import click
+from tqdm import tqdm
 
 import stickslip
 from stickslip._util.files import check_suffix, check_writable, replacing
@@ -15,6 +18,11 @@ from stickslip.errors import ScenarioError, prefixed
 
 MOST_ROWS = 50
 """Points that are printed. Chosen: about one page; a longer table is in the file alone."""
+
+PATIENCE = 2.0
+"""Time that passes without a bar, s. Chosen: a shorter wait needs no explanation."""
+
+_OF_A_PART = "{desc}: {percentage:3.0f}% |{bar}| {elapsed} < {remaining}"
 
 
 def say(line: object, err: bool = False) -> None:
@@ -89,3 +97,25 @@ def drawn(option: str, path: Path | None, draw: Callable[[Path], object]) -> boo
 def save_plot(figure: str, *what: Any) -> Callable[[Path], object]:
     """A function that draws by one of `stickslip.plot` and writes to a path."""
     return lambda path: stickslip.plot.save(getattr(stickslip.plot, figure)(*what), path)
+
+
+@contextlib.contextmanager
+def progress_bar(points: int = 0) -> Iterator[Callable[[float, str], None]]:
+    """A function that takes the part that is done, 0 to 1, and the stage, and shows both.
+
+    With a number of `points` the bar shows their count and rate.
+    """
+    with tqdm(
+        total=points or 1.0,
+        delay=PATIENCE,
+        leave=False,
+        bar_format=None if points else _OF_A_PART,
+        unit=" points",
+        mininterval=0.1 if sys.stderr.isatty() else PATIENCE,  # in a log each update is a line
+    ) as bar:
+
+        def show(fraction: float, stage: str) -> None:
+            bar.set_description_str(stage, refresh=False)
+            bar.update(round(fraction * points) - bar.n if points else fraction - bar.n)
+
+        yield show

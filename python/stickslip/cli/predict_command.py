@@ -14,8 +14,7 @@ from stickslip._util.columns import write_frame
 from stickslip._util.messages import shown, suggestion
 from stickslip.cli import options, output
 from stickslip.cli.loading import load_uncertain
-from stickslip.cli.progress import progress_bar
-from stickslip.simulation.note import lines_of_json
+from stickslip.simulation.notes import lines_of_json
 from stickslip.simulation.quantities import ASKED, NUMBERS
 from stickslip.simulation.run import SUFFIXES
 from stickslip.simulation.seen_from_drive import VELOCITIES, shown_velocities
@@ -93,7 +92,7 @@ def command(
     if plot is not None:
         options.check_drawable(vary, 1)
     count = math.prod(map(len, vary.values())) * draws
-    with progress_bar(count) as bar:
+    with output.progress_bar(count) as bar:
         data = stickslip.predict(loaded, vary, draws, seed, threads=threads, progress=bar)
     whole = data
     if figures:
@@ -157,10 +156,7 @@ def _print(data: xarray.Dataset, chosen: list[str]) -> None:
         int(data.attrs["draws"]),
         int(data.attrs["failed_draws"]),
     )
-    rows = [
-        ("points", str(points)),
-        ("draws", f"{draws} of each, {failures} of all failed"),
-    ]
+    rows = [("points", str(points)), ("draws", f"{draws} of each, {failures} of all failed")]
     if failures < points * draws:
         lowest = float(data["quantile"].min())
         error = math.sqrt(lowest * (1.0 - lowest) / draws)

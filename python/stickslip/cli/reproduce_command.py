@@ -8,8 +8,7 @@ import click
 
 import stickslip
 from stickslip.cli.options import FOLDER, JSON, THREADS
-from stickslip.cli.output import print_json, say
-from stickslip.cli.progress import progress_bar
+from stickslip.cli.output import print_json, progress_bar, say
 from stickslip.errors import prefixed
 
 

@@ -15,11 +15,18 @@ from stickslip._util.text import highest
 from stickslip._util.units import handy
 from stickslip.cli.loading import load_with
 from stickslip.cli.options import JSON, PATH, SET
-from stickslip.cli.output import check_files, drawn, print_json, print_rows, save_plot, say
-from stickslip.cli.progress import progress_bar
+from stickslip.cli.output import (
+    check_files,
+    drawn,
+    print_json,
+    print_rows,
+    progress_bar,
+    save_plot,
+    say,
+)
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.note import shown_lines
+from stickslip.simulation.notes import shown_lines
 from stickslip.simulation.quantities import NUMBERS
 from stickslip.simulation.run import SUFFIXES, Run
 from stickslip.simulation.seen_from_drive import VELOCITIES

@@ -18,10 +18,9 @@ import stickslip
 from stickslip._util.columns import write_frame
 from stickslip.cli import options, output
 from stickslip.cli.loading import load_with
-from stickslip.cli.progress import progress_bar
 from stickslip.errors import ScenarioError
 from stickslip.extras import naming_the_extra
-from stickslip.simulation.note import lines_of_json
+from stickslip.simulation.notes import lines_of_json
 from stickslip.simulation.quantities import ASKED
 from stickslip.simulation.run import SUFFIXES
 from stickslip.simulation.seen_from_drive import shown_velocities
@@ -100,7 +99,7 @@ def command(
     if plot is not None:
         options.check_drawable(vary, 2)
     count = math.prod(map(len, vary.values()))
-    with progress_bar(count) as bar, _cluster(dask) as executor:
+    with output.progress_bar(count) as bar, _cluster(dask) as executor:
         how: dict[str, Any] = {"threads": threads, "executor": executor, "resume": resume}
         data = stickslip.sweep(loaded, vary, out=None if as_csv else out, progress=bar, **how)
     table = stickslip.sweep_dataframe(data)

@@ -204,9 +204,7 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
         if goal is not None and self.task != "reach":
             raise ScenarioError(f'goal: the task "{self.task}" takes none')
         if goal is not None:
-            goal = in_columns("goal", goal, COLUMNS, "x and y, m", unit="m")
-            if goal.shape != (2,):
-                raise ScenarioError(f"goal of shape {goal.shape}: allowed is (2,), x and y, m")
+            goal = in_columns("goal", goal, COLUMNS, "x and y, m", axes=1, unit="m")
             check_within_coils("goal", goal[None], self.scenario)
         way = Path.figure_of_eight() if follows and path is None else None
         if path is not None:

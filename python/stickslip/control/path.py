@@ -47,9 +47,9 @@ class Path:
     """
 
     def __init__(self, points: ArrayLike) -> None:
-        corners = in_columns("path", points, COLUMNS, "shape (k, 2) of finite x and y, m")
-        if corners.ndim != 2 or corners.shape[-1] != 2 or len(corners) < 2:
-            raise ScenarioError(f"path of shape {corners.shape}: allowed is (k, 2), k at least 2")
+        corners = in_columns("path", points, COLUMNS, "shape (k, 2) of finite x and y, m", axes=2)
+        if len(corners) < 2:
+            raise ScenarioError(f"path of shape {corners.shape}: allowed are two corners or more")
         sides = np.diff(corners, axis=0)
         lengths = np.hypot(*sides.T)
         if not lengths.all():

@@ -10,10 +10,10 @@ import numpy as np
 from stickslip import _core
 from stickslip._util.arrays import Array
 from stickslip._util.messages import check_above_zero, check_kind
-from stickslip.field.coils import Coils
+from stickslip.field.coils import AXES, Coils
 from stickslip.scenario.keys import COIL_NAMES, GEOMETRY
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.scenario_notes import peak_voltages
+from stickslip.simulation.notes import peak_voltages
 
 ROOM = 5e-3
 """Side of the cube around the centre in which the fringe is told, m: where such robots walk."""
@@ -22,7 +22,6 @@ SHARE = 0.05
 """By which a dimension is off where it is told what that changes. Chosen: a tape measure's error of
 the middle of a winding."""
 
-_AXES = dict(zip(COIL_NAMES, (0, 0, 1, 1, 2), strict=True))
 _COPPER = 1.72e-8 * 8960.0 * 385.0  # ohm m kg/m^3 J/(kg K), of copper at 20 degrees C; CRC Handbook
 
 
@@ -98,9 +97,9 @@ def coil_facts(
     asked, made = peak_voltages(scenario), Coils.of(scenario)
     is_sawtooth = scenario.drive.kind == "sawtooth"
     facts = {}
-    for name in COIL_NAMES:
-        coil, one = getattr(scenario.coil, name), np.array(COIL_NAMES) == name
-        field, gradient, fringe = _of_field(made, one.astype(float), _AXES[name])
+    for name, axis, one in zip(COIL_NAMES, AXES, np.eye(len(AXES)), strict=True):
+        coil = getattr(scenario.coil, name)
+        field, gradient, fringe = _of_field(made, one, axis)
         tau, passes = coil.inductance / coil.resistance, coil.capacitance == 0.0
         root = math.sqrt(coil.inductance * coil.capacitance)
         resonance = math.nan if passes else 1.0 / (2.0 * math.pi * root)

@@ -19,11 +19,7 @@ from stickslip.simulation.quantities import NUMBERS, Column
 from stickslip.simulation.run import Run
 from stickslip.simulation.seen_from_drive import VELOCITIES
 
-FIGURES = {
-    **NUMBERS,
-    **VELOCITIES,
-    "tilt_max": Column("rad", "largest |theta|, measuring window"),
-}
+FIGURES = {**NUMBERS, **VELOCITIES, "tilt_max": Column("rad", "largest |theta|, measuring window")}
 """Figures that can be a goal or have a limit: numbers of a summary, `Run.velocity`, the pitch."""
 
 WALKING = {"airborne_fraction": 0.2, "tilt_max": 1.5}

@@ -24,7 +24,7 @@ from stickslip.scenario.keys import COIL_NAMES, RECORD_RATE, Value, find_key
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.toml_file import files_of, scenario_writers
 from stickslip.scenario.waveform import drive_waveform
-from stickslip.simulation.note import shown_lines
+from stickslip.simulation.notes import shown_lines
 from stickslip.simulation.run import Run
 from stickslip.simulation.seen_from_drive import ALONG, FROM_AXES
 from stickslip.simulation.simulate import simulate
@@ -300,7 +300,7 @@ class Optimum(OneLine):
     @property
     def files(self) -> tuple[str, ...]:
         """Names of the files that `save_report` writes."""
-        held = files_of(self.scenario.content, Path(BEST), VOLTAGES)
+        held = files_of(self.scenario, Path(BEST), VOLTAGES)
         return (BEST, *held.values(), FIGURE)
 
     def save_report(self, out: str | PathLike[str]) -> None:
@@ -313,7 +313,7 @@ class Optimum(OneLine):
         """
         folder = Path(out)
         comments = [self.beyond] if self.beyond else []
-        writers = scenario_writers(self.scenario.content, folder / BEST, comments, VOLTAGES)
+        writers = scenario_writers(self.scenario, folder / BEST, comments, VOLTAGES)
         writers[folder / FIGURE] = functools.partial(self.figure().savefig, dpi=150)
         folder.mkdir(parents=True, exist_ok=True)
         write_together(writers)

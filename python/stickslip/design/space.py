@@ -25,7 +25,7 @@ from stickslip.scenario.keys import (
 )
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.waveform import Waveform, drive_waveform
-from stickslip.simulation.note_table import STEADY_PULSES
+from stickslip.simulation.notes import STEADY_PULSES
 
 Values = Mapping[str, Value]
 """The free values of a drive: words and numbers by key, and knots such as "xp 3", V."""
@@ -213,10 +213,7 @@ def _words(scenario: Scenario, key: str, given: Any) -> list[Value]:
 
 
 def _check_waveform(
-    scenario: Scenario,
-    free: Mapping[str, Any],
-    knots: object,
-    volts: float | None,
+    scenario: Scenario, free: Mapping[str, Any], knots: object, volts: float | None
 ) -> None:
     if isinstance(knots, bool) or not isinstance(knots, int) or not 2 <= knots <= _MOST_KNOTS:
         refuse("knots", knots, f"a whole number from 2 to {_MOST_KNOTS}")

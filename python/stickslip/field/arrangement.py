@@ -15,10 +15,11 @@ import numpy as np
 from stickslip import _core
 from stickslip._util.arrays import Array, Mask
 from stickslip.errors import ScenarioError
+from stickslip.field.coils import AXES
 from stickslip.field.map_fit import ROUNDING, TURNS, CoilFit, fit_coils, point_name
 
-_AXIS, _SIDE = np.array([0, 0, 1, 1, 2]), np.array([1.0, -1.0, 1.0, -1.0, -1.0])
-"""Along which axis each coil's field points at the centre, and on which side the coil stands."""
+_AXIS, _SIDE = np.array(AXES), np.array([1.0, -1.0, 1.0, -1.0, -1.0])
+"""The axis of each coil, and on which side it stands."""
 
 _WORST = 0.07
 """Largest rms residual of a coil, relative to its rms field. Chosen: errors of 3 % of the field in

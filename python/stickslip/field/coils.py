@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from typing import Protocol
 
 import numpy as np
@@ -11,6 +11,9 @@ from numpy.typing import ArrayLike
 from stickslip import _core
 from stickslip._util.arrays import Array, in_columns
 from stickslip._util.messages import refuse
+
+AXES = (0, 0, 1, 1, 2)
+"""Axis along which the field of each coil points at the origin, in the order of `COIL_NAMES`."""
 
 
 class HasCoils(Protocol):
@@ -151,11 +154,10 @@ class Coils:
 
 def _five(values: ArrayLike) -> list[float]:
     """One value a coil, of one for all or of five; other shapes are a ValueError."""
+    several = values if np.ndim(values) or isinstance(values, Mapping) else [values] * 5
     what, names = "a value of the coils", _core.coil_names
-    array = in_columns(what, values, names, gaps=True, finite=False)
-    if array.shape not in ((), (5,)):
-        raise ValueError(f"a value of the coils must have shape () or (5,); got {array.shape}")
-    return [float(value) for value in np.broadcast_to(array, 5)]
+    made = in_columns(what, several, names, axes=1, gaps=True, finite=False)
+    return [float(value) for value in made]
 
 
 def _one_or_five(values: list[float]) -> float | Array:
@@ -164,8 +166,8 @@ def _one_or_five(values: list[float]) -> float | Array:
 
 def _flatten(points: ArrayLike, currents: ArrayLike) -> tuple[Array, Array, tuple[int, ...]]:
     """Points as (n, 3), currents as (n, 5) or (1, 5), and the common leading shape."""
-    points = _checked("points", points, ("x", "y", "z"), "m")
-    currents = _checked("currents", currents, _core.coil_names, "A")
+    points = in_columns("points", points, ("x", "y", "z"), "finite numbers of m", unit="m")
+    currents = in_columns("currents", currents, _core.coil_names, "finite numbers of A", unit="A")
     try:
         shape = np.broadcast_shapes(points.shape[:-1], currents.shape[:-1])
     except ValueError:
@@ -177,11 +179,3 @@ def _flatten(points: ArrayLike, currents: ArrayLike) -> tuple[Array, Array, tupl
     if currents.ndim == 1:
         return flat_points, currents[np.newaxis], shape
     return flat_points, np.broadcast_to(currents, (*shape, 5)).reshape(-1, 5), shape
-
-
-def _checked(name: str, values: ArrayLike, columns: Sequence[str], unit: str) -> Array:
-    allowed = f"shape (..., {len(columns)}) of finite numbers, in {unit}"
-    array = in_columns(name, values, columns, allowed, unit=unit)
-    if array.ndim == 0 or array.shape[-1] != len(columns):
-        raise ValueError(f"{name} of shape {array.shape}: allowed is {allowed}")
-    return array

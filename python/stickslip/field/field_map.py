@@ -129,17 +129,12 @@ class FieldMap:
         ScenarioError
             If a shape or a number is not allowed, or no field of coils fits the values.
         """
-        places = in_columns("points", points, _PLACE, unit="m")
+        places = in_columns("points", points, _PLACE, axes=2, unit="m")
         values = numbers("fields", fields, unit="T/A")
-        count = len(places) if places.ndim else 0
-        if places.shape != (count, 3) or values.shape != (count, len(_core.coil_names), 3):
-            raise ScenarioError(
-                f"points of shape {places.shape} and fields of shape {values.shape}: allowed are "
-                "(n, 3) and (n, 5, 3)"
-            )
-        return cls.from_coils(
-            [(places, values[:, k]) for k in range(len(_core.coil_names))], source
-        )
+        shape = (len(places), len(_core.coil_names), len(_FIELD))
+        if values.shape != shape:
+            raise ScenarioError(f"fields of shape {values.shape}: allowed is shape {shape}")
+        return cls.from_coils([(places, of_coil) for of_coil in values.swapaxes(0, 1)], source)
 
     @classmethod
     def from_coils(
@@ -170,8 +165,8 @@ class FieldMap:
         if lines is None:  # arrays of a user
             samples = [
                 (
-                    in_columns(f"points of {name}", points, _PLACE, unit="m"),
-                    in_columns(f"fields of {name}", fields, _FIELD, unit="T/A"),
+                    in_columns(f"points of {name}", points, _PLACE, axes=2, unit="m"),
+                    in_columns(f"fields of {name}", fields, _FIELD, axes=2, unit="T/A"),
                 )
                 for name, (points, fields) in zip(_core.coil_names, samples, strict=True)
             ]

@@ -6,9 +6,8 @@
 `animation` gives a moving picture. No module here may have the name of one of them.
 """
 
-from stickslip.design.coil_axes import coil_lines
 from stickslip.plot.above import path
-from stickslip.plot.coil_map import coils
+from stickslip.plot.coil_map import coil_lines, coils
 from stickslip.plot.curves import (
     angle_and_contact_velocity,
     fields,

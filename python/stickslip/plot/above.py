@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from stickslip._util import palette
 from stickslip._util.arrays import Array, in_columns
-from stickslip._util.messages import check_kind, refuse
+from stickslip._util.messages import check_kind
 from stickslip._util.picture import RC, Picture, legend_above
 from stickslip.plot import style
 from stickslip.plot.motion import Motion, footprint, motion
@@ -63,7 +63,10 @@ def path(
         If `along` is no path.
     """
     shown = motion(run).between(start, stop)
-    wanted = np.empty((0, 2)) if along is None else _corners(along)
+    wanted = np.empty((0, 2))
+    if along is not None:
+        corners = getattr(along, "points", along)
+        wanted = in_columns("along", corners, ("x", "y"), "a Path, or its corners in m", axes=2)
     factor, unit = style.length(shown.x, shown.y, shown.way, wanted)
     with matplotlib.rc_context(RC):
         if ax is not None:
@@ -87,15 +90,6 @@ def path(
         for axes in (height, pitch):
             style.readable(axes, x=style.LEAST_SPAN)
     return figure
-
-
-def _corners(along: Polyline | ArrayLike) -> Array:
-    """Corners of a path, m, shape (k, 2)."""
-    allowed = "a Path, or its corners, shape (k, 2) of finite x and y, m"
-    corners = in_columns("along", getattr(along, "points", along), ("x", "y"), allowed)
-    if corners.ndim != 2 or corners.shape[1] != 2:
-        refuse("along", along, allowed)
-    return corners
 
 
 def heading_arrows(shown: Motion, factor: float) -> dict[int, tuple[Array, Array]]:

@@ -1,9 +1,10 @@
-"""The five coils, their field in the plane y = 0, and where the robot begins."""
+"""The five coils: their field in the plane y = 0 with the robot in it, and what single ones do."""
 
 from __future__ import annotations
 
 from typing import Any
 
+import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
@@ -13,8 +14,9 @@ from numpy.typing import ArrayLike
 
 from stickslip._util import palette
 from stickslip._util.arrays import Array, in_columns
-from stickslip._util.messages import check_kind, refuse
-from stickslip.field.coils import Coils
+from stickslip._util.messages import check_kind
+from stickslip._util.picture import RC, Picture
+from stickslip.field.coils import AXES, Coils
 from stickslip.plot import style
 from stickslip.scenario.keys import COIL_NAMES
 from stickslip.scenario.scenario import Scenario
@@ -23,6 +25,9 @@ _REACH = 1.3  # half of the width that is drawn, in distances of the farthest wi
 _CELLS = 160  # along each side of the map; chosen: finer than the dots of half a page
 _SCALE = 0.01, 0.98  # parts of the map below the ends of the scale: near wires is the rest; by eye
 _ARROW = 0.14  # length of the arrow of the moment, as a part of the width; chosen by eye
+
+_ALONG = 10e-3  # m, to both sides of the centre; chosen: ten lengths of a large robot
+_TIMES = 5.0  # of the time constant: 99 % of a step
 
 _WORDS: Any = {"fontsize": 8.0, "ha": "center", "va": "center"}
 _WORDS["bbox"] = {"facecolor": "white", "alpha": 0.85, "edgecolor": "none", "pad": 1.5}
@@ -56,7 +61,11 @@ def coils(scenario: Scenario, currents: ArrayLike | None = None, ax: Axes | None
         If the currents are not five finite numbers, or make no field.
     """
     check_kind("scenario", scenario, Scenario)
-    amperes = _highest_currents(scenario) if currents is None else _checked(currents)
+    if currents is None:
+        amperes = _highest_currents(scenario)
+    else:
+        allowed = "a list of five finite numbers, A"
+        amperes = in_columns("currents", currents, COIL_NAMES, allowed, axes=1, unit="A")
     made = Coils.of(scenario)
     labels = [f"{name}: {value:.3g} A" for name, value in zip(COIL_NAMES, amperes, strict=True)]
     halves, distances = (np.broadcast_to(lengths, 5) for lengths in (made.side, made.distance))
@@ -75,15 +84,6 @@ def coils(scenario: Scenario, currents: ArrayLike | None = None, ax: Axes | None
         axes.set(xlabel="x (mm)", ylabel="z (mm)", aspect="equal")
         axes.grid(visible=False)
     return style.root_figure(axes)
-
-
-def _checked(currents: ArrayLike) -> Array:
-    """Currents that a user gave."""
-    allowed = "a list of five finite numbers, A"
-    amperes = in_columns("currents", currents, COIL_NAMES, allowed, unit="A")
-    if amperes.shape != (len(COIL_NAMES),):
-        refuse("currents", currents, allowed)
-    return amperes
 
 
 def _highest_currents(scenario: Scenario) -> Array:
@@ -164,3 +164,42 @@ def _draw_robot(axes: Axes, made: Coils, currents: Array, scenario: Scenario) ->
     style.arrow(axes, (x, z), tip, palette.BLACK, 1.8)
     look = _WORDS | {"va": "bottom", "xytext": (0.0, 9.0), "textcoords": "offset points"}
     axes.annotate(words, (x, z), zorder=3.2, **look)
+
+
+def coil_lines(scenario: Scenario) -> Figure:
+    """Draw the field of each coil along its axis per ampere, and its current after a step.
+
+    A coil that is as one before it is not drawn again. A field map is drawn within its box.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Its coils are drawn.
+
+    Raises
+    ------
+    ScenarioError
+        If `scenario` is none.
+    """
+    check_kind("scenario", scenario, Scenario)
+    made = Coils.of(scenario)
+    drawn: dict[tuple[Any, str], int] = {}
+    for number, name in enumerate(COIL_NAMES):
+        of_axis = ("x", "z")[name == "clamp"] if made.box is None else name
+        drawn.setdefault((getattr(scenario.coil, name), of_axis), number)
+    with matplotlib.rc_context(RC):
+        figure = Picture(figsize=(6.4, 2.8), layout="constrained")
+        field, current = figure.subplots(1, 2)
+        for (coil, _), number in drawn.items():
+            axis = AXES[number]
+            low, high = (made.box[0][axis], made.box[1][axis]) if made.box else (-1.0, 1.0)
+            place = np.linspace(max(low, -_ALONG), min(high, _ALONG), 101)
+            along = made.field(place[:, np.newaxis] * np.eye(3)[axis], np.eye(5)[number])[:, axis]
+            field.plot(1e3 * place, 1e3 * along, label=COIL_NAMES[number])
+            passed = np.linspace(0.0, _TIMES, 101)
+            rise_time = coil.inductance / coil.resistance
+            current.plot(1e3 * rise_time * passed, -100.0 * np.expm1(-passed))
+        field.set(xlabel="place on its axis (mm)", ylabel="field (mT/A)")
+        current.set(xlabel="time after a step (ms)", ylabel="current (% of steady)")
+        field.legend()
+    return figure

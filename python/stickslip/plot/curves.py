@@ -18,7 +18,7 @@ from stickslip._util.arrays import Array
 from stickslip._util.picture import RC, Picture, legend_above
 from stickslip.plot import style
 from stickslip.plot.motion import Motion, motion
-from stickslip.simulation.note_table import resting_force
+from stickslip.simulation.notes import resting_force
 from stickslip.simulation.run import Run
 
 # More pulses than the first number cannot be told apart in the picture; then as many of the last

@@ -12,7 +12,7 @@ import xarray
 
 from stickslip.reproduction.settings import BASE, MODES, PEAK, SCANS, Setting, small_changes
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.note_table import resting_force
+from stickslip.simulation.notes import resting_force
 from stickslip.simulation.run import Run
 from stickslip.simulation.simulate import simulate_batch
 from stickslip.sweeping.run_sweep import sweep

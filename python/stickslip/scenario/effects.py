@@ -58,12 +58,7 @@ def effects() -> tuple[Effect, ...]:
     ['effects.surface_tilt.angle', 'effects.surface_tilt.azimuth']
     """
     return tuple(
-        Effect(
-            row["name"],
-            row["meaning"],
-            row["source"],
-            keys_of(PREFIX + row["name"]),
-        )
+        Effect(row["name"], row["meaning"], row["source"], keys_of(PREFIX + row["name"]))
         for row in _core.effects()
     )
 

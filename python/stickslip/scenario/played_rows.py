@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import _core
-from stickslip._util.arrays import Array, in_columns, locked
+from stickslip._util.arrays import Array, in_columns
 from stickslip._util.columns import read_table
 from stickslip._util.recipes import Recipe
-from stickslip.errors import ScenarioError, prefixed
+from stickslip.errors import prefixed
 
 _P = TypeVar("_P", bound="PlayedRows")
 
@@ -32,11 +32,7 @@ class PlayedRows:
 
     def __init__(self, rows: ArrayLike) -> None:
         units = " and ".join(dict.fromkeys(self._columns.values()))
-        given = in_columns("rows", rows, [*self._columns], f"numbers of {units}")
-        if given.ndim != 2 or given.shape[1] != len(self._columns):
-            shape = f"(n, {len(self._columns)}): {', '.join(self._columns)}"
-            raise ScenarioError(f"rows of shape {given.shape}: allowed is {shape}")
-        self.rows = locked(given)
+        self.rows = in_columns("rows", rows, [*self._columns], f"numbers of {units}", axes=2)
 
     @classmethod
     def from_csv(cls: type[_P], path: str | PathLike[str]) -> _P:

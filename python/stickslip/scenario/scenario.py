@@ -55,7 +55,6 @@ from stickslip.scenario.sections import (
     State,
 )
 from stickslip.scenario.toml_file import (
-    Content,
     Stated,
     files_of,
     read_document,
@@ -63,11 +62,7 @@ from stickslip.scenario.toml_file import (
     stated,
     write_scenario,
 )
-from stickslip.scenario.uncertain import (
-    JointPrior,
-    as_joint_prior,
-    refuse_geometry_beside_a_map,
-)
+from stickslip.scenario.uncertain import JointPrior, as_joint_prior, refuse_geometry_beside_a_map
 
 _S = TypeVar("_S", bound=Section)
 
@@ -250,13 +245,13 @@ class Scenario:
             If a file cannot be written; nothing is left half-written.
         """
         if path is None:
-            return scenario_text(self.content, files_of(self.content, None))
-        return write_scenario(self.content, Path(path))
+            return scenario_text(self, files_of(self, None))
+        return write_scenario(self, Path(path))
 
     @property
-    def content(self) -> Content:
-        """The statements of its file."""
-        return Content(self._core, self._held, self._uncertain)
+    def held(self) -> Mapping[str, Any]:
+        """Its objects by their keys, see `HELD`."""
+        return MappingProxyType(self._held)
 
     def document(self) -> dict[str, str]:
         """All that decides a run, as texts by name: its TOML, and each object that has a file."""

@@ -244,9 +244,7 @@ class State(Section, key="initial"):
     def from_row(row):
         """The state of a row of an array of states; a ScenarioError if it is none."""
         allowed = f"{len(STATE_COLUMNS)} numbers in the order of STATE_COLUMNS"
-        given = in_columns("row", row, STATE_COLUMNS, allowed)
-        if given.shape != (len(STATE_COLUMNS),):
-            refuse("row", row, allowed)
+        given = in_columns("row", row, STATE_COLUMNS, allowed, axes=1)
         values = dict(zip(STATE_COLUMNS, given.tolist(), strict=True))
         index = values["contact"]
         if index not in range(len(CONTACT_WORDS)):
@@ -254,20 +252,6 @@ class State(Section, key="initial"):
         return State(**{**values, "contact": CONTACT_WORDS[int(index)]})
 
 
-SECTIONS = {
-    section._name: section
-    for section in (
-        Drive,
-        Coil,
-        Robot,
-        Contact,
-        Drag,
-        Environment,
-        Shake,
-        Inner,
-        State,
-        Solver,
-        Record,
-    )
-}
+_ALL = Drive, Coil, Robot, Contact, Drag, Environment, Shake, Inner, State, Solver, Record
+SECTIONS = {section._name: section for section in _ALL}
 """Their classes by name, in the order of a file."""

@@ -5,9 +5,8 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from stickslip import _core
 from stickslip._util.files import read_bytes, text_writer, write_together
 from stickslip._util.messages import refuse, shown, suggestion
 from stickslip._util.text import printable, quoted
@@ -30,18 +29,13 @@ from stickslip.scenario.law import flat_laws, law_lines, laws_of
 from stickslip.scenario.sections import SECTIONS, Coil, Robot
 from stickslip.scenario.uncertain import JointPrior
 
+if TYPE_CHECKING:
+    from stickslip.scenario.scenario import Scenario
+
 FORMAT_VERSION = 1
 
 # Chosen: a scenario is a page of text; what is longer is another file, or a device without end.
 _MOST_BYTES = 1 << 20
-
-
-class Content(NamedTuple):
-    """The contents of a scenario's file."""
-
-    core: _core.Scenario
-    held: Mapping[str, Any]  # objects by their keys
-    uncertain: JointPrior | None
 
 
 class Stated(NamedTuple):
@@ -151,41 +145,43 @@ def _check_version(document: Mapping[str, Any]) -> None:
         refuse("stickslip", version, f"{FORMAT_VERSION}, the version of the format")
 
 
-def files_of(content: Content, path: Path | None, voltages: str | None = None) -> dict[str, str]:
+def files_of(scenario: Scenario, path: Path | None, voltages: str | None = None) -> dict[str, str]:
     """Names of the files of a scenario's objects beside its own at `path`, by the objects' keys.
 
     `voltages` is another ending for those of a drive.
     """
     stem = "" if path is None else f"{path.stem}."
-    endings = {key: held.ending for key, held in OBJECTS.items() if key in content.held}
+    endings = {key: held.ending for key, held in OBJECTS.items() if key in scenario.held}
     if voltages is not None and PROGRAM in endings:
         endings[PROGRAM] = voltages
     return {key: f"{stem}{ending}" for key, ending in endings.items()}
 
 
-def write_scenario(content: Content, path: Path, comments: Sequence[str] = ()) -> str:
+def write_scenario(scenario: Scenario, path: Path, comments: Sequence[str] = ()) -> str:
     """Write the scenario's file, and its objects' beside it; return the text.
 
     `comments` are lines at its top, without their ``#``.
     """
-    write_together(scenario_writers(content, path, comments))
-    return scenario_text(content, files_of(content, path), comments)
+    write_together(scenario_writers(scenario, path, comments))
+    return scenario_text(scenario, files_of(scenario, path), comments)
 
 
 def scenario_writers(
-    content: Content, path: Path, comments: Sequence[str] = (), voltages: str | None = None
+    scenario: Scenario, path: Path, comments: Sequence[str] = (), voltages: str | None = None
 ) -> dict[Path, Callable[[Path], object]]:
     """Writers of all files of a scenario, for `write_together`; see `files_of`."""
-    files = files_of(content, path, voltages)
+    files = files_of(scenario, path, voltages)
     return {
-        path: text_writer(scenario_text(content, files, comments)),
-        **{path.with_name(file): content.held[key].write for key, file in files.items()},
+        path: text_writer(scenario_text(scenario, files, comments)),
+        **{path.with_name(file): scenario.held[key].write for key, file in files.items()},
     }
 
 
-def scenario_text(content: Content, files: Mapping[str, str], comments: Sequence[str] = ()) -> str:
+def scenario_text(
+    scenario: Scenario, files: Mapping[str, str], comments: Sequence[str] = ()
+) -> str:
     """The TOML text, with the files that its objects are in by their keys."""
-    core = content.core
+    core = scenario.to_core()
     changed = core.changed()
     given = {key.partition(".")[0] for key in (*changed, *files)}
     left_out = {"initial", "inner", "shake"} - given
@@ -204,10 +200,10 @@ def scenario_text(content: Content, files: Mapping[str, str], comments: Sequence
                 lines.append(f"{OBJECTS[key].file.partition('.')[2]} = {quoted(file)}")
     for name, law in laws_of(core):
         lines += law_lines(name, law)
-    for key, held in content.held.items():
+    for key, held in scenario.held.items():
         lines += [] if key in OBJECTS else ["", *held.lines]
-    if content.uncertain is not None:
-        lines += _uncertain_lines(content.uncertain)
+    if scenario.uncertain is not None:
+        lines += _uncertain_lines(scenario.uncertain)
     return "\n".join(lines) + "\n"
 
 

@@ -419,21 +419,18 @@ class Waveform:
 def _five(voltages: Voltages) -> list[float]:
     """Voltages of all five coils, V."""
     given: Any = voltages if hasattr(voltages, "__len__") else [voltages]
+    if not len(given):
+        return [0.0] * len(COIL_NAMES)
     allowed = "finite numbers of V"
-    values = in_columns("voltages", given, COIL_NAMES, allowed, absent=0.0, unit="V")
-    if values.shape not in ((0,), (len(COIL_NAMES),)):
-        shape = "" if values.ndim == 1 else f" of shape {values.shape}"
-        raise ScenarioError(
-            f"{values.size} voltages{shape}: allowed are {len(COIL_NAMES)} in a row, one a coil"
-        )
-    return values.tolist() or [0.0] * len(COIL_NAMES)
+    values = in_columns("voltages", given, COIL_NAMES, allowed, axes=1, absent=0.0, unit="V")
+    return [float(value) for value in values]
 
 
 def _block(times: ArrayLike, voltages: ArrayLike, repeats: int) -> _Block:
     check_indexes("", {"t": times, "voltages": voltages})
     t = numbers("t", times, "finite numbers of s", unit="s")
-    v = in_columns("voltages", voltages, COIL_NAMES, "finite numbers of V", unit="V")
-    if t.ndim != 1 or v.shape != (len(t), len(COIL_NAMES)):
+    v = in_columns("voltages", voltages, COIL_NAMES, "finite numbers of V", axes=2, unit="V")
+    if t.shape != v.shape[:1]:
         raise ScenarioError(
             f"times of shape {t.shape} and voltages of shape {v.shape}: allowed are (n,) and (n, 5)"
         )

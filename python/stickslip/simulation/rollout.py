@@ -113,7 +113,7 @@ def rollout(
     for index, scenario in enumerate(several):
         check_kind(f"scenario {index}", scenario, Scenario)
     volts = _numbers("voltages", voltages, _core.coil_names, unit="V")
-    if volts.ndim not in (2, 3) or volts.shape[-1] != len(_core.coil_names):
+    if volts.ndim not in (2, 3):
         raise ScenarioError(
             f"voltages of shape {volts.shape}: allowed is (steps, 5) or (n, steps, 5)"
         )
@@ -150,9 +150,9 @@ def rollout(
     return Rollout(out, status, tuple(record))
 
 
-def _numbers(what: str, values: Any, columns: Sequence[str], unit: str | None = None) -> Array:
+def _numbers(what: str, values: Any, columns: Sequence[str], **more: Any) -> Array:
     """Numbers, NaN where there is none: a run fails there."""
-    array = in_columns(what, values, columns, unit=unit, gaps=True, finite=False)
+    array = in_columns(what, values, columns, gaps=True, finite=False, **more)
     return np.ascontiguousarray(array)
 
 
@@ -162,10 +162,4 @@ def _rows(states: Any) -> Array | None:
     states = [states] if isinstance(states, State) else states
     if isinstance(states, Sequence) and states and isinstance(states[0], State):
         states = [state.row for state in states]
-    rows = _numbers("states", states, STATE_COLUMNS)
-    if rows.ndim != 2 or rows.shape[1] != len(STATE_COLUMNS):
-        raise ScenarioError(
-            f"states of shape {rows.shape}: allowed is (n, {len(STATE_COLUMNS)}), "
-            "a row of STATE_COLUMNS for each run"
-        )
-    return rows
+    return _numbers("states", states, STATE_COLUMNS, axes=2)

@@ -21,7 +21,7 @@ from stickslip._util.text import printable
 from stickslip._util.units import handy
 from stickslip.extras import naming_the_extra
 from stickslip.scenario.sections import State
-from stickslip.simulation.note import by_seriousness, notes_json, shown_lines
+from stickslip.simulation.notes import by_seriousness, notes_json, run_notes, shown_lines
 from stickslip.simulation.quantities import (
     ASKED,
     INNER_COLUMNS,
@@ -34,7 +34,6 @@ from stickslip.simulation.quantities import (
 )
 from stickslip.simulation.record_file import dataset, origin, stored, write_run
 from stickslip.simulation.recorded import Recorded
-from stickslip.simulation.run_notes import run_notes
 from stickslip.simulation.seen_from_drive import (
     ACROSS,
     ALONG,
@@ -107,10 +106,7 @@ class Run(Recorded):
     recorded_until: float
 
     def __init__(
-        self,
-        scenario: Scenario,
-        outcome: Mapping[str, Any],
-        record: Mapping[str, NDArray[Any]],
+        self, scenario: Scenario, outcome: Mapping[str, Any], record: Mapping[str, NDArray[Any]]
     ) -> None:
         self.scenario = scenario
         self._record = record

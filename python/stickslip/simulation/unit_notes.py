@@ -12,6 +12,7 @@ from stickslip import _core
 from stickslip._util.arrays import Array
 from stickslip._util.note import Note
 from stickslip._util.units import NEAR, unit_meant
+from stickslip.field.coils import AXES
 from stickslip.scenario.keys import COIL_NAMES, known_keys
 
 if TYPE_CHECKING:
@@ -56,9 +57,6 @@ I."""
 _COMMON = 5.0
 """Ratio of a background to its scatter among coils from which on it is common. Chosen: of coils
 turned each on its own by chance, 3 sets of five in 10 000 have that, and 3 sets of four in 1000."""
-
-_AXES = np.array([0, 0, 1, 1, 2])
-"""Along which each coil's field points at the centre."""
 
 
 def unit_notes(scenario: Scenario, core: _core.Scenario) -> list[Note]:
@@ -113,14 +111,10 @@ def _of_places(field_map: FieldMap, made: _core.Scenario, distance: float) -> li
 
 def _decay_lengths(made: _core.Scenario) -> Array:
     """Field over its derivative along itself, at the centre, of each coil with a field, m."""
-    coils, centre, currents = (
-        made.coils(),
-        np.zeros((len(_core.coil_names), 3)),
-        np.eye(len(_core.coil_names)),
-    )
-    at = np.arange(len(_core.coil_names))
-    field = coils.field(centre, currents)[at, _AXES]
-    slope = coils.gradient(centre, currents).reshape(-1, 3, 3)[at, _AXES, _AXES]
+    coils, centre, currents = made.coils(), np.zeros((len(AXES), 3)), np.eye(len(AXES))
+    at = np.arange(len(AXES))
+    field = coils.field(centre, currents)[at, AXES]
+    slope = coils.gradient(centre, currents).reshape(-1, 3, 3)[at, AXES, AXES]
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(np.abs(field / slope))
 
@@ -131,11 +125,11 @@ def _of_background(field_map: FieldMap, made: _core.Scenario) -> list[Note]:
     At the centre a coil has no field across its axis, but by its mounting, which differs from coil
     to coil. A frame that is turned as a whole gives coils of two axes opposite fields.
     """
-    fields = made.coils().field(np.zeros((len(_core.coil_names), 3)), np.eye(len(_core.coil_names)))
+    fields = made.coils().field(np.zeros((len(AXES), 3)), np.eye(len(AXES)))
     used = np.flatnonzero(np.linalg.norm(fields, axis=1) > 0.0)
-    if len(used) < len(_core.coil_names) - 1:
+    if len(used) < len(AXES) - 1:
         return []
-    across = [fields[used[_AXES[used] != axis], axis] for axis in range(3)]
+    across = [fields[used[np.array(AXES)[used] != axis], axis] for axis in range(3)]
     common = np.array([np.mean(values) for values in across])
     left = np.concatenate([values - np.mean(values) for values in across])
     scatter = math.sqrt(float(left @ left) / (len(left) - 3))

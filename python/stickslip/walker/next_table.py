@@ -20,11 +20,7 @@ from stickslip.diagnosis.decision.facts import Facts
 from stickslip.diagnosis.report.files import JSON
 from stickslip.diagnosis.terms.amounts import amount
 from stickslip.errors import ScenarioError
-from stickslip.walker.experiments import (
-    advice,
-    prediction_table,
-    setting_columns,
-)
+from stickslip.walker.experiments import advice, prediction_table, setting_columns
 from stickslip.walker.read_velocity import unmeasured, velocities
 from stickslip.walker.reading import Measurement
 

@@ -19,12 +19,7 @@ from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.terms.words import Words
 from stickslip.errors import ScenarioError
 from stickslip.scenario.scenario import Scenario
-from stickslip.walker.experiments import (
-    CHOICES,
-    Drive,
-    advice,
-    proposals,
-)
+from stickslip.walker.experiments import CHOICES, Drive, advice, proposals
 from stickslip.walker.problem import posed_by
 from stickslip.walker.reading import Measurement
 from stickslip.walker.velocity import VelocityTable, settings_of

@@ -30,7 +30,7 @@ from stickslip.scenario.keys import is_of_one_coil, known_keys
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.toml_file import files_of, scenario_writers
 from stickslip.scenario.uncertain import JointPrior, refuse_geometry_beside_a_map
-from stickslip.simulation.scenario_notes import peak_voltages
+from stickslip.simulation.notes import peak_voltages
 from stickslip.walker import experiments
 from stickslip.walker.angle import AngleTable
 from stickslip.walker.field import FieldTable
@@ -230,7 +230,7 @@ class Drives(Rivals):
         self, folder: Path, told: str, causes: str, extended: Scenario
     ) -> dict[Path, Callable[[Path], object]]:
         lines = _comments(self._measurement, told, causes, extended)
-        return scenario_writers(extended.content, folder / self._file, lines)
+        return scenario_writers(extended, folder / self._file, lines)
 
 
 def _uncertain(changes: Mapping[str, float], matrix: DataFrame | None) -> JointPrior | None:
@@ -247,7 +247,7 @@ def _uncertain(changes: Mapping[str, float], matrix: DataFrame | None) -> JointP
 def report_files(*scenarios: Scenario) -> tuple[str, ...]:
     """Names of the files of a report: with those that state the scenario, or that of each side."""
     names = [EXTENDED] if len(scenarios) == 1 else [f"{side}.toml" for side in SIDES]
-    held = (files_of(one.content, Path(name)).values()
+    held = (files_of(one, Path(name)).values()
             for name, one in zip(names, scenarios, strict=True))  # fmt: skip
     return (*FILES, *names, *(file for each in held for file in each))
 

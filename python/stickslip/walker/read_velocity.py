@@ -19,13 +19,7 @@ from stickslip._util.messages import shown
 from stickslip._util.note import Note
 from stickslip._util.recipes import Entry, Match, Plausible, Recipe
 from stickslip._util.text import OneLine, comma_hint, counted, plain
-from stickslip._util.units import (
-    factor_text,
-    is_of,
-    quantity_of,
-    split_unit,
-    unit_factor,
-)
+from stickslip._util.units import factor_text, is_of, quantity_of, split_unit, unit_factor
 from stickslip.diagnosis.data.outliers import marks_of_none
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import Key, Value, full_name, in_allowed_case, known_keys

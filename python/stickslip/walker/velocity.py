@@ -19,8 +19,8 @@ from stickslip.diagnosis.data.errors import along_runs, estimate
 from stickslip.diagnosis.data.noise import whitener
 from stickslip.diagnosis.data.settings import Settings
 from stickslip.scenario.keys import Value, known_keys
-from stickslip.simulation.note_table import STEADY_PULSES
-from stickslip.sweeping.notes import notes_of
+from stickslip.simulation.notes import STEADY_PULSES
+from stickslip.sweeping.dataset import notes_of
 from stickslip.sweeping.points import encoded, from_changes
 from stickslip.walker.instruments import of_velocities
 from stickslip.walker.read_velocity import VelocityData

@@ -1,0 +1,165 @@
+"""Notes on scenarios and runs: their order, and how they are printed and stored."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+from stickslip import _core
+from stickslip._util.messages import shown
+from stickslip._util.note import Note
+from stickslip.scenario.matter import left_out
+from stickslip.simulation.unit_notes import unit_notes
+
+if TYPE_CHECKING:
+    from stickslip.scenario.scenario import Scenario
+
+MOST_SHOWN = 4
+"""Notes that are printed at once; all are in `Run.notes` and in the JSON output."""
+
+CODES = (
+    # What was not simulated or measured whole.
+    "record-cut", "condition-not-met", "window-cut",
+    # Values in another unit, as far as can be seen.
+    "unit-map", "unit-map-background", "unit-time", "unit-length", "unit-mass",
+    "unit-inductance", "unit-angle",
+    # A robot that does not walk.
+    "rest-no-field", "rest-no-moment", "rest-torque", "rest-adhesion", "rest-drag", "rest-friction",
+    "rest",
+    "no-pulses", "flight", "no-friction", "dragged", "pulled", "backward", "roll-over",
+    "beyond-upright", "no-slip",
+    # A motion whose mean velocity says less than it seems to.
+    "field-change", "velocity-grows", "turning", "start-up", "window-short", "pulses-short",
+    "fluid", "inner",
+    # Other values that are probably mistakes.
+    "hidden-key", "prior", "inductance", "capacitor",
+    "voltage", "density", "moment", "steep-surface", "adhesion", "tangential-restitution",
+    "tolerance",
+    # Facts, without a fault.
+    "map", "shake-mean",
+)  # fmt: skip
+"""Codes of the notes of runs, the most serious first."""
+
+STEADY_PULSES = 4
+"""Fewest pulses whose measuring window, from the end of the third, has no start-up; section VII."""
+
+MUCH_MEAN = 1e-6
+"""Means of a shake's accelerations above this part of the largest are noted. Chosen: rounding."""
+
+MUCH_OF_FLUID = 0.1
+"""Parts of the drag above which what the model leaves out of a fluid is noted. Chosen: drag of the
+volume-equal sphere is no better for a block."""
+
+FAR_FROM_A_PRIOR = 2.5
+"""Standard deviations from which on a value is far from its prior. Chosen: one draw in 80 is."""
+
+
+def scenario_notes(scenario: Scenario) -> list[Note]:
+    """Notes on values of a scenario that are probably mistakes; none for most scenarios."""
+    core = scenario.to_core()
+    return with_those_of_files(scenario, core, _core.scenario_notes(core))
+
+
+def with_those_of_files(
+    scenario: Scenario, core: _core.Scenario, rows: Iterable[tuple[str, str, float | None]]
+) -> list[Note]:
+    """Notes of the core, and of what it does not know: how values and files were given."""
+    units = unit_notes(scenario, core)
+    # A unit explains the density that it makes, and the moment of a mass.
+    explained = any(note.code in ("unit-mass", "unit-length") for note in units)
+    others = [Note(*row) for row in rows if not (explained and row[0] in ("density", "moment"))]
+    return [*units, *others, *_of_files(scenario)]
+
+
+def _of_files(scenario: Scenario) -> Iterator[Note]:
+    for key, value in scenario.hidden.items():
+        text = f"{key} = {shown(value)} has no effect: all five coils have their own values"
+        yield Note("hidden-key", f"{text}, such as those of [coil.xp]", float(value))
+    if scenario.coil.map is not None:
+        yield Note("map", f"the field of the coils is that of {scenario.coil.map}")
+    shaken = scenario.shake.accelerations
+    if shaken is not None and math.hypot(*shaken.mean) > MUCH_MEAN * shaken.most:
+        x, z = shaken.mean
+        text = (
+            f"shake.file: the mean of its accelerations, {x:.3g} m/s^2 along x and {z:.3g} m/s^2 "
+            "along z, is taken out, as the surface would drift away"
+        )
+        yield Note("shake-mean", text, math.hypot(x, z))
+
+
+def peak_voltages(scenario: Scenario) -> dict[str, float]:
+    """Largest magnitude of the voltage that the drive asks of each coil, V."""
+    return dict(zip(_core.coil_names, scenario.to_core().commanded_voltages(), strict=True))
+
+
+def run_notes(
+    scenario: Scenario, status: str, summary: Mapping[str, Any], condition_met: bool
+) -> list[Note]:
+    """Notes of a run, the most serious first; none for most runs."""
+    core = scenario.to_core()
+    rows = _core.run_notes(core, summary, status == "ok", condition_met)
+    notes = with_those_of_files(scenario, core, rows)
+    return by_seriousness([*notes, *_of_fluid(scenario, summary), *_of_priors(scenario)])
+
+
+def _of_priors(scenario: Scenario) -> Iterator[Note]:
+    """Values where the scenario's own priors hardly have them: no range has what is beyond it."""
+    priors = {} if scenario.uncertain is None else scenario.uncertain.priors
+    for key, prior in priors.items():
+        value, middle = float(scenario.get(key)), float(prior.value(0.0))
+        far = abs(prior.coordinate(value)) > FAR_FROM_A_PRIOR
+        if far if prior.has_middle else not prior.first <= value <= prior.second:
+            text = (
+                f"{key} = {value:g} is far from its prior {prior}. This run uses {value:g}; "
+                f"predictions draw from the prior. For a run at its middle set {key} = {middle:g}"
+            )
+            yield Note("prior", text, value)
+
+
+def _of_fluid(scenario: Scenario, summary: Mapping[str, Any]) -> list[Note]:
+    if scenario.fluid is None:
+        return []
+    frequency = scenario.pulse_rate
+    speed = math.hypot(summary["mean_velocity"], summary["mean_velocity_y"])
+    beyond = left_out(scenario.fluid, scenario.robot, frequency, speed)
+    text_of = {
+        beyond.drag: f"swinging at {frequency:g} Hz adds {100 * beyond.drag:.0f} % to the drag and "
+        f"{100 * beyond.mass:.0f} % to the mass (Stokes, 1851)",
+        beyond.inertia: f"the mean speed adds {100 * beyond.inertia:.0f} % to the drag (Schiller "
+        "and Naumann, 1933)",
+        beyond.film: f"while it lies flat, a film as thick as the gap adds {beyond.film:.2g} times "
+        "the drag, Eq. (16)",
+    }
+    texts = [text for size, text in text_of.items() if size > MUCH_OF_FLUID]
+    head = "the fluid's inertia and film are not in the model; for a sphere of this volume "
+    return [Note("fluid", head + "; ".join(texts), max(text_of))] if texts else []
+
+
+def resting_force(scenario: Scenario) -> float:
+    """Normal force on a body that lies still without field: weight and adhesion, N."""
+    return scenario.robot.mass * scenario.environment.gravity + scenario.contact.adhesion
+
+
+def by_seriousness(notes: Iterable[Note]) -> list[Note]:
+    """The most serious first."""
+    ranks = {code: rank for rank, code in enumerate(CODES)}
+    return sorted(notes, key=lambda note: ranks.get(note.code, len(CODES)))
+
+
+def shown_lines(notes: Iterable[Note]) -> list[str]:
+    """The notes that are printed, a line each, and how many more there are."""
+    texts = [note.text for note in by_seriousness(notes)]
+    more = len(texts) - MOST_SHOWN
+    return texts[:MOST_SHOWN] + ([f"{more} more notes; --json has all"] if more > 0 else [])
+
+
+def notes_json(notes: Iterable[Note]) -> str:
+    """Notes as the attribute of a netCDF file has them."""
+    return json.dumps([note.as_dict() for note in notes])
+
+
+def lines_of_json(text: str) -> list[str]:
+    """`shown_lines` of such an attribute."""
+    return shown_lines(Note(**values) for values in json.loads(text))
