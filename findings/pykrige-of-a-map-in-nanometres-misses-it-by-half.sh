@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Expected: `OrdinaryKriging` of 100 readings of a smooth map gives the map and its error in the readings' own unit.
-# What happens: the variogram is fitted by a loss with an absolute size of 1, from starts that small or large numbers
-#   do not leave. Readings around 1 are mapped to 0.013 of their size; the same times 1000 or a million to 0.45, which is
-#   their own scatter (the map is flat), and in thousandths or less to 0.05 or 0.07, with an error stated as 2 to 4 times the one
-#   for readings around 1. A warning comes for the million alone.
+# What happens: the variogram is fitted by a loss with an absolute size of 1, from starts that large or small numbers do
+#   not leave. Readings around 1 are mapped to 0.013 of their size. The same times 1000 or a million are mapped to 0.45,
+#   their own scatter: the map is flat. Thousandths are mapped to 0.07 and millionths to 0.05, with errors stated as 2
+#   and 4 times the right ones. A warning comes for the million alone.
 # Package: pykrige 1.7.3, scipy 1.17.1, numpy 2.3.5. Source: found by trying.
 # Who is hurt: whoever maps heights in nm or in m, fields in uT or in T.
 # Instead: divide the readings by their standard deviation, and multiply the map and its error by it (tried).
