@@ -4,7 +4,7 @@
 #   record's own unit. In mm there are three modes and a rest; 0.1 mm and less in metres give the mode of 20 Hz alone,
 #   and the rest holds all else. The sum of all is the record, so that the usual test passes. No warning.
 # Package: EMD-signal 1.10.0 (PyEMD), numpy 2.3.5. Source: both numbers are documented, their unit is not.
-# Who is hurt: whoever seeks slow modes or a trend of small motions in SI units; ensembles (EEMD) use the same test.
+# Who is hurt: whoever seeks slow modes or a trend of small motions in SI units; EEMD has the same test.
 # Instead: the record over its standard deviation (tried); thresholds of 0 give five and six modes from 1 um on (tried).
 set -euo pipefail
 folder=$(mktemp -d)

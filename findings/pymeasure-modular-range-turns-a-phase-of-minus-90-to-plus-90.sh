@@ -37,14 +37,14 @@ for value, plain, both, right in ((-90, 90, -90, -90), (-10, 170, -10, -10), (90
 assert modular_range(180, LIMITS) == 0 and modular_range(25, [10, 20]) == 5
 
 
-class LockIn(Instrument):
+class Amplifier(Instrument):
     def __init__(self, adapter, name="lock-in", **kwargs):
         super().__init__(adapter, name, includeSCPI=False, **kwargs)
 
     phase = Instrument.control("PHAS?", "PHAS %g", "Phase in degrees.", validator=modular_range, values=LIMITS)
 
 
-with expected_protocol(LockIn, [("PHAS 90", None)]) as device:
+with expected_protocol(Amplifier, [("PHAS 90", None)]) as device:
     device.phase = -90  # the protocol checks what is sent
 print("phase = -90 sends: PHAS 90")
 PROGRAM
