@@ -75,6 +75,14 @@ def representatives(values: Iterable[float], kept: Collection[float] = ()) -> di
     return names_of
 
 
+def distinct_rows(values: Array) -> tuple[Array, Indices]:
+    """Rows of a matrix without repetitions, as they first come, and which of them each row is."""
+    places = dict[bytes, int]()
+    of_rows = (places.setdefault(row.tobytes(), len(places)) for row in values)
+    which = np.fromiter(of_rows, np.int64, len(values))
+    return values[np.unique(which, return_index=True)[1]], which
+
+
 def worker_count(count: int | None, name: str) -> int:
     """`count` if it is given, else the number of processors that this process may use.
 

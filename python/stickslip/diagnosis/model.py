@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip._util.arrays import Array, Mask, columns_of, locked, numbers
+from stickslip._util.arrays import Array, Mask, columns_of, distinct_rows, locked, numbers
 from stickslip._util.messages import meant
 from stickslip._util.note import Note
 from stickslip._util.text import OneLine, brief
@@ -275,7 +275,7 @@ class ForwardModel(OneLine):
         Vectors that differ only in what belongs to other tables share a prediction.
         """
         at = self.columns(table.name, names)
-        vectors, inverse = np.unique(values[:, list(at.values())], axis=0, return_inverse=True)
+        vectors, which = distinct_rows(values[:, list(at.values())])
         acting = [cause for cause in self.causes if cause.table in (None, table.name)]
 
         def physics(keys: Sequence[str], rows: Array) -> Array:
@@ -288,7 +288,7 @@ class ForwardModel(OneLine):
                 raise
 
         readers = [cause for cause in acting if cause.input is None]
-        return read_by(readers, list(at), vectors, physics, table)[inverse.reshape(-1)]
+        return read_by(readers, list(at), vectors, physics, table)[which]
 
     def _answer(self, table: Table, p: Values, vectors: int) -> Array:
         """The own function's answer, (vectors, rows), in an array of its own; NaN is allowed.

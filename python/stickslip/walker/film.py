@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.linalg import block_diag
 
-from stickslip._util.arrays import Array, Indices, Mask, root_mean_square
+from stickslip._util.arrays import Array, Indices, Mask, distinct_rows, root_mean_square
 from stickslip._util.note import Note
 from stickslip._util.palette import BLACK
 from stickslip._util.picture import Picture
@@ -191,12 +191,12 @@ class FilmTable(SimulatedTable):
         """Frames of each vector whose simulation succeeds."""
         known = known_keys()
         keys = [k for k, name in enumerate(names) if name in known]
-        motions, which = np.unique(values[:, keys], axis=0, return_inverse=True)
+        motions, which = distinct_rows(values[:, keys])
         recorded = record(
             self.film.scenario, [names[k] for k in keys], motions, self.rate, self.threads
         )
         for number, motion in enumerate(recorded):
-            for vector in np.flatnonzero(which.reshape(-1) == number).tolist():
+            for vector in np.flatnonzero(which == number).tolist():
                 frames = self._frames_of(motion, dict(zip(names, values[vector], strict=True)))
                 if frames is not None:
                     yield vector, frames

@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
-from stickslip._util.arrays import Array, Indices, check_indexes, labels, row
+from stickslip._util.arrays import Array, Indices, check_indexes, distinct_rows, labels, row
 from stickslip._util.messages import refuse
 from stickslip._util.prior import Prior
 from stickslip.diagnosis.data.series import Series
@@ -323,8 +323,8 @@ def read_by(
         return physics(names, values)
     parameters = {parameter.name for cause in acting for parameter in cause.parameters}
     kept = [k for k, name in enumerate(names) if name not in parameters]
-    vectors, at = np.unique(values[:, kept], axis=0, return_inverse=True)
-    predicted = physics([names[k] for k in kept], vectors)[at.reshape(-1)]
+    vectors, which = distinct_rows(values[:, kept])
+    predicted = physics([names[k] for k in kept], vectors)[which]
     p = {name: values[:, [names.index(name)]] for name in parameters}
     readings = predicted
     for cause in acting:
