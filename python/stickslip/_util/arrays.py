@@ -78,9 +78,8 @@ def representatives(values: Iterable[float], kept: Collection[float] = ()) -> di
 def distinct_rows(values: Array) -> tuple[Array, Indices]:
     """Rows of a matrix without repetitions, as they first come, and which of them each row is."""
     places = dict[bytes, int]()
-    of_rows = (places.setdefault(row.tobytes(), len(places)) for row in values)
-    which = np.fromiter(of_rows, np.int64, len(values))
-    return values[np.unique(which, return_index=True)[1]], which
+    which = [places.setdefault(row.tobytes(), len(places)) for row in values]
+    return values[np.unique(which, return_index=True)[1]], np.array(which, dtype=np.int64)
 
 
 def worker_count(count: int | None, name: str) -> int:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
+from stickslip import _core
 from stickslip._util.files import read_bytes, text_writer, write_together
 from stickslip._util.messages import refuse, shown, suggestion
 from stickslip._util.text import printable, quoted
@@ -29,13 +30,20 @@ from stickslip.scenario.law import flat_laws, law_lines, laws_of
 from stickslip.scenario.sections import SECTIONS, Coil, Robot
 from stickslip.scenario.uncertain import JointPrior
 
-if TYPE_CHECKING:
-    from stickslip.scenario.scenario import Scenario
-
 FORMAT_VERSION = 1
 
 # Chosen: a scenario is a page of text; what is longer is another file, or a device without end.
 _MOST_BYTES = 1 << 20
+
+
+class Written(Protocol):
+    """What is written of a scenario; the class itself imports this module."""
+
+    def to_core(self) -> _core.Scenario: ...
+    @property
+    def held(self) -> Mapping[str, Any]: ...
+    @property
+    def uncertain(self) -> JointPrior | None: ...
 
 
 class Stated(NamedTuple):
@@ -145,7 +153,7 @@ def _check_version(document: Mapping[str, Any]) -> None:
         refuse("stickslip", version, f"{FORMAT_VERSION}, the version of the format")
 
 
-def files_of(scenario: Scenario, path: Path | None, voltages: str | None = None) -> dict[str, str]:
+def files_of(scenario: Written, path: Path | None, voltages: str | None = None) -> dict[str, str]:
     """Names of the files of a scenario's objects beside its own at `path`, by the objects' keys.
 
     `voltages` is another ending for those of a drive.
@@ -157,7 +165,7 @@ def files_of(scenario: Scenario, path: Path | None, voltages: str | None = None)
     return {key: f"{stem}{ending}" for key, ending in endings.items()}
 
 
-def write_scenario(scenario: Scenario, path: Path, comments: Sequence[str] = ()) -> str:
+def write_scenario(scenario: Written, path: Path, comments: Sequence[str] = ()) -> str:
     """Write the scenario's file, and its objects' beside it; return the text.
 
     `comments` are lines at its top, without their ``#``.
@@ -167,7 +175,7 @@ def write_scenario(scenario: Scenario, path: Path, comments: Sequence[str] = ())
 
 
 def scenario_writers(
-    scenario: Scenario, path: Path, comments: Sequence[str] = (), voltages: str | None = None
+    scenario: Written, path: Path, comments: Sequence[str] = (), voltages: str | None = None
 ) -> dict[Path, Callable[[Path], object]]:
     """Writers of all files of a scenario, for `write_together`; see `files_of`."""
     files = files_of(scenario, path, voltages)
@@ -177,9 +185,7 @@ def scenario_writers(
     }
 
 
-def scenario_text(
-    scenario: Scenario, files: Mapping[str, str], comments: Sequence[str] = ()
-) -> str:
+def scenario_text(scenario: Written, files: Mapping[str, str], comments: Sequence[str] = ()) -> str:
     """The TOML text, with the files that its objects are in by their keys."""
     core = scenario.to_core()
     changed = core.changed()
