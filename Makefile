@@ -99,7 +99,7 @@ docs: install ## the documentation, into docs/_build/html
 	@$(RUN) -m sphinx --quiet --fail-on-warning --keep-going -b html docs docs/_build/html
 	@echo "written: docs/_build/html/index.html"
 
-lint: install ## ruff, mypy, clang-format, clang-tidy, codespell
+lint: install ## ruff, mypy, stubtest, clang-format, clang-tidy, codespell
 	@$(RUN) -m pip install --quiet --group lint
 	@ruff check . && ruff format --check . && mypy && codespell
 	@stubtest stickslip._core stickslip._machines --concise --allowlist cpp/bindings/stubtest.txt

@@ -4,7 +4,8 @@ Each part writes its figures into bench/now.json as they come, with the commit o
 processor and the width of the packs. A part that ran out of its time goes on at the next call, at
 the same commit on the same machine; else it begins anew. CPU times of diagnoses are figures over
 that of the best BIC on the same problem, and in seconds beside; those of runs and sweeps are
-measured by `python -m bench against`. The first figures are those of bench/first.json, which stay.
+measured by `python -m bench against`. Tables have first
+figures in bench/first.json, which stay.
 """
 
 from __future__ import annotations

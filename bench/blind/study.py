@@ -134,8 +134,8 @@ def _checksum(paths: Iterable[Path]) -> str:
 def state() -> dict[str, str]:
     """Which engine and which generator made a row: version, commit, sums of what decides.
 
-    Of the engine this is the sum of its golden verdicts: two builds of one source differ in their
-    bytes, and most changes of the source change no verdict.
+    Of the engine this is the sum of its golden verdicts, which `python -m bench golden` has to have
+    compared: two builds of one source differ in their bytes, and most changes change no verdict.
     """
     asked = ("git", "-C", str(HERE), "rev-parse", "--short", "HEAD")
     commit = subprocess.run(asked, capture_output=True, text=True, check=False).stdout.strip()

@@ -130,7 +130,7 @@ const std::vector<NoteRow>& note_rows() {
                  ? "{drag.linear=} and {drag.rotational=}; with a thousandth of both"
                  : "{drag.rotational=}; with a thousandth")},
         {.code = "rest-drag", .value = "drag.linear", .first_of = "rest",
-         .when = STICKSLIP_IF(f.stuck()),
+         .when = STICKSLIP_IF(f.stuck() && f.s.drag.rotational == 0.0),
          .trials = STICKSLIP_TRY(with_drag(1e-3 * f.s.drag.linear, 0.0)),
          .text = STICKSLIP_REST "drag holds it, {drag.linear=}; with a thousandth it walks"},
         {.code = "rest-torque", .value = "torque", .first_of = "rest",

@@ -7,6 +7,7 @@ cannot be written to, or labels. A gap is what a mask hides, None, NaN, NA or Na
 from __future__ import annotations
 
 import datetime
+import functools
 import math
 import numbers as kinds_of_numbers
 import os
@@ -88,9 +89,8 @@ def worker_count(count: int | None, name: str) -> int:
     A ScenarioError with the `name` says that it is not a whole number above zero.
     """
     if count is None:
-        if hasattr(os, "sched_getaffinity"):
-            return len(os.sched_getaffinity(0))
-        return os.cpu_count() or 1
+        affinity = getattr(os, "sched_getaffinity", None)
+        return len(affinity(0)) if affinity else os.cpu_count() or 1
     check_whole(name, count, 1)
     return int(count)
 
@@ -177,29 +177,30 @@ def in_columns(
     `absent` is the value of a column that is not there; without it, all have to be.
     """
     given = _named_columns(what, values)
+    checked = functools.partial(numbers, allowed=allowed, unit=unit, gaps=gaps, finite=finite)
     if given is None:
-        array = numbers(what, values, allowed, unit=unit, gaps=gaps, finite=finite)
-        if array.shape[-1:] != (len(names),) or axes not in (None, array.ndim):
-            width = len(names)
-            shape = {None: f"(..., {width})", 1: f"({width},)", 2: f"(n, {width})"}[axes]
-            raise ScenarioError(f"{what} of shape {array.shape}: allowed is shape {shape}")
-        return array
-    for name in given:
-        if name not in names:
-            raise ScenarioError(f"{what}: {shown(name)}: {suggestion(str(name), names)}")
-    missing = [name for name in names if name not in given and absent is None]
-    if missing:
-        raise ScenarioError(f"{what}: no {missing[0]}; allowed are all of {', '.join(names)}")
-    columns = []
-    for name in names:
-        at, column = f"{what}: {name}", given.get(name, absent)
-        if isinstance(column, str):  # one number, which no file wrote
-            refuse(at, column, allowed)
-        columns.append(numbers(at, column, allowed, unit=unit, gaps=gaps, finite=finite))
-    try:
-        return locked(np.stack(np.broadcast_arrays(*columns), axis=-1))
-    except ValueError:
-        refuse(what, values, f"{', '.join(names)} of the same length")
+        array = checked(what, values)
+    else:
+        for name in given:
+            if name not in names:
+                raise ScenarioError(f"{what}: {shown(name)}: {suggestion(str(name), names)}")
+        columns = []
+        for name in names:
+            if name not in given and absent is None:
+                raise ScenarioError(f"{what}: no {name}; allowed are all of {', '.join(names)}")
+            at, column = f"{what}: {name}", given.get(name, absent)
+            if isinstance(column, str):  # one number, which no file wrote
+                refuse(at, column, allowed)
+            columns.append(checked(at, column))
+        try:
+            array = locked(np.stack(np.broadcast_arrays(*columns), axis=-1))
+        except ValueError:
+            refuse(what, values, f"{', '.join(names)} of the same length")
+    if array.shape[-1:] != (len(names),) or axes not in (None, array.ndim):
+        shape = {None: "(..., {})", 1: "({},)", 2: "(n, {})"}[axes].format(len(names))
+        text = f"allowed is shape {shape}, {', '.join(names)}"
+        raise ScenarioError(f"{what} of shape {array.shape}: {text}")
+    return array
 
 
 def _named_columns(what: str, values: Any) -> dict[Any, Any] | None:

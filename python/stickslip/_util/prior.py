@@ -73,7 +73,7 @@ class Prior:
     def of_table(table: Mapping[str, float]) -> Prior | None:
         """The prior of such numbers by name; None where no kind has these."""
         kind = next((kind for kind, names in NUMBERS.items() if {*names} == {*table}), None)
-        return kind and Prior(kind, *(table[name] for name in NUMBERS[kind]))
+        return None if kind is None else Prior(kind, *(table[name] for name in NUMBERS[kind]))
 
     @property
     def table(self) -> dict[str, float]:

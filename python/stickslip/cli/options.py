@@ -75,7 +75,7 @@ def stated(key: str, text: str) -> Any:
             f"write {text.replace(',', '.')} with a decimal point, or VALUE,ERROR with a point in "
             "both"
         )
-    if ":" in text:
+    if re.fullmatch(r"[^:a-z]*\d[^:]*:[^:]*", text):
         return Prior("uniform", *(number(key, part.strip()) for part in text.split(":", 1)))
     values = [number_or_word(part.strip()) for part in text.split(",")]
     if key == "without":

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import click
-from tqdm import tqdm
 
 import stickslip
 from stickslip._util.files import check_suffix, check_writable, replacing
@@ -105,6 +104,8 @@ def progress_bar(points: int = 0) -> Iterator[Callable[[float, str], None]]:
 
     With a number of `points` the bar shows their count and rate.
     """
+    from tqdm import tqdm  # 40 ms that most commands do not need
+
     with tqdm(
         total=points or 1.0,
         delay=PATIENCE,

@@ -41,8 +41,8 @@ _SHOWN = ("theta_min", "theta_max", "slip_up", "slip_down", "airborne_fraction")
     "sweep",
     help="""Simulate a SCENARIO (a TOML file) at all combinations of the values of some keys.
 
-    Prints the summaries, with pull_share by --set record.pull_share=yes; what else the scenario
-    records is ignored. A point that fails is a status in the results: the command still succeeds,
+    Prints the summaries; --set record.pull_share=yes adds pull_share. All else of [record] is
+    ignored. A point that fails is a status in the results: the command still succeeds,
     and says on standard error how many there are.
 
     A netCDF --out is written every second or more rarely, and on Ctrl-C, so that --resume can go on

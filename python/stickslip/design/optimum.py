@@ -41,7 +41,7 @@ COMPARED = {
     "start": "the scenario's own",
     "search": "what the search found",
     "sawtooth": "the best of a grid of sawtooths",
-    "best": "what is written, the better one or a better neighbour",
+    "best": "the drive that is written: the better of search and sawtooth, or a better neighbour",
 }
 """The drives that are judged on fresh draws, and what they are."""
 
@@ -245,11 +245,11 @@ class Optimum(OneLine):
             return []
         asked, exchanged = ("maximise", "minimise")[:: int(sign)]
         text = (
-            f"the other way a drive that was tried within the limits is faster, mean "
-            f"{self.other_way:.6g} {self.goal.unit}: --{exchanged} {figure} searches there"
+            f"a drive within the limits is faster the other way, mean {self.other_way:.6g} "
+            f"{self.goal.unit}: --{exchanged} {figure} searches there"
         )
         if figure == "mean_velocity" and self.values.get("drive.direction") == "-x":
-            text += f"; along drive.direction = -x does --{asked} {ALONG}"
+            text += f"; so does --{asked} {ALONG} with drive.direction = -x"
         return [text]
 
     def _drive_lines(self) -> list[str]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip import _core
-from stickslip._util.arrays import Array, in_columns
+from stickslip._util.arrays import Array, in_columns, numbers
 from stickslip._util.messages import refuse
 
 AXES = (0, 0, 1, 1, 2)
@@ -154,9 +154,11 @@ class Coils:
 
 def _five(values: ArrayLike) -> list[float]:
     """One value a coil, of one for all or of five; other shapes are a ValueError."""
-    several = values if np.ndim(values) or isinstance(values, Mapping) else [values] * 5
     what, names = "a value of the coils", _core.coil_names
-    made = in_columns(what, several, names, axes=1, gaps=True, finite=False)
+    if not isinstance(values, Mapping):
+        one = numbers(what, values, gaps=True, finite=False)
+        values = np.repeat(one, len(names)) if one.ndim == 0 else one
+    made = in_columns(what, values, names, axes=1, gaps=True, finite=False)
     return [float(value) for value in made]
 
 

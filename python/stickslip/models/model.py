@@ -30,7 +30,7 @@ Physics = Callable[[Array, Inputs, Mapping[str, Array]], Array]
 """``physics(t, inputs, values)``: states, (readings, states, vectors), at times, (readings,).
 Values by name, (vectors,), have the usual `step` of the readings too, s."""
 
-_KNOWN = "a number, (value, error), or a Prior or table such as { min, max }"
+_KNOWN = 'a number, (value, error), a Prior, or a table such as {"min": 0.1, "max": 0.3}'
 
 _COARSE = 100
 """Parts of a record between whose ends slopes are taken for the usual size of a derivative. Chosen:

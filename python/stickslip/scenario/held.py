@@ -135,8 +135,8 @@ HELD = {
         ),
         Held(
             "fluid", f"{_SCENARIO}.matter:Fluid.of_table",
-            about='a section of the file, of name, such as "water", or density (kg/m^3) and '
-            "viscosity (Pa s), and wall: drag and buoyancy; in Python Scenario.in_fluid",
+            about='a section with name = "water", or density (kg/m^3) and viscosity (Pa s), and '
+            "wall; it gives drag and buoyancy; in Python Scenario.in_fluid",
         ),
     )
 }  # fmt: skip

@@ -43,9 +43,8 @@ COIL_MAP = "coil.map"
 
 SECTIONS_BESIDE = {
     **{key: held.about for key, held in TABLES.items()},
-    "uncertain": 'a section of the file, of a line for each key, such as "drag.linear" = '
-    "{ mean = 1e-5, sd = 1e-6 }; in Python Scenario.with_uncertain, for predict also --uncertain "
-    "FILE",
+    "uncertain": 'a section with one line a key, such as "drag.linear" = { mean = 1e-5, sd = '
+    "1e-6 }; in Python Scenario.with_uncertain; predict also takes --uncertain FILE",
 }
 """What sections without keys of a scenario are."""
 
@@ -211,7 +210,7 @@ def key_hint(name: str, others: Iterable[str] = ()) -> str:
         return f"it is {SECTIONS_BESIDE[name]}"
     inside = next((key for key in (*keys, f"{LAWS}NAME") if key.startswith(f"{name}.")), None)
     if inside is not None:
-        return f"it is a section, whose keys are changed one by one, such as {inside}"
+        return f"it is a section: change its keys one by one, such as {inside}"
     of_coil = f"{name.removesuffix('s')}_{COIL_NAMES[0]}"
     if of_coil in keys:
         return f"give {of_coil} = 1.0, one key a coil"

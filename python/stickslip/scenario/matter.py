@@ -62,6 +62,9 @@ class Liquid(NamedTuple):
     source: str
 
 
+_MOST_NEAR = 9  # names that a message suggests; chosen: all silicone oils
+
+
 def _silicone(stokes: float, density: float) -> Liquid:
     source = "nominal viscosity; density by makers' tables to 0.5 %, 25 degrees C"
     return Liquid(density, 1e-6 * stokes * density, source)
@@ -186,7 +189,9 @@ def _named(key: str, name: Any, table: Mapping[str, Any]) -> Any:
         word = name.casefold() if isinstance(name, str) else None
         near = [each for each in table if word and word in each.casefold()]
         near = near or difflib.get_close_matches(str(name), table)
-        hint = f"did you mean {' or '.join(map(shown, near))}?" if near else suggestion("", table)
+        hint = f"did you mean {' or '.join(map(shown, near))}?"
+        if not 0 < len(near) <= _MOST_NEAR:
+            hint = suggestion("", table)
         refuse(key, name, f"a name of the table; {hint}")
     return table[name]
 

@@ -32,7 +32,7 @@ OneCoil.__doc__ = "Values of one coil, as those of `Coil`."
 
 
 def _by_words(make):
-    """The function of words, which refuses those that it has not and tells all that are missing."""
+    """Wrap `make`: unknown words, and all that are missing, are refused in one line."""
     words = inspect.signature(make).parameters
     name = make.__qualname__
     section = name.partition(".")[0]
@@ -48,7 +48,10 @@ def _by_words(make):
                 raise ScenarioError(f"{word} = {shown(named[word])}: {hint}")
         missing = [word for word in needed[len(values) :] if word not in named]
         if missing:
-            raise ScenarioError(f"{' and '.join(missing)} missing: {name} takes {', '.join(words)}")
+            verb = "is" if len(missing) == 1 else "are"
+            raise ScenarioError(
+                f"{', '.join(missing)} {verb} missing: {name} takes {', '.join(words)}"
+            )
         return make(*values, **named)
 
     return made
@@ -134,8 +137,10 @@ class Coil(
             (("side", side), ("radius", radius)),
             (("inductance", inductance), ("rise_time", rise_time)),
         ):
-            if (one[1] is None) == (other[1] is None):
-                refuse(one[0], one[1], f"a number where {other[0]} has none; give one of both")
+            if one[1] is None and other[1] is None:
+                raise ScenarioError(f"{one[0]} is missing: give {one[0]} or {other[0]}")
+            if one[1] is not None and other[1] is not None:
+                refuse(one[0], one[1], f"none beside {other[0]}; give one of both")
             given |= dict([other if one[1] is None else one])
         for name, value in given.items():
             check_above_zero(name, value, "its SI unit")

@@ -37,7 +37,7 @@ _MOST_BYTES = 1 << 20
 
 
 class Written(Protocol):
-    """What is written of a scenario; the class itself imports this module."""
+    """A scenario, as its file needs it: `Scenario` imports this module, hence a protocol."""
 
     def to_core(self) -> _core.Scenario: ...
     @property

@@ -50,7 +50,7 @@ def predict(
     Parameters
     ----------
     scenario : Scenario
-        What the points have in common. What it records is ignored, as by `sweep`.
+        What the points have in common. Of ``[record]`` only ``pull_share`` counts, as in `sweep`.
     vary : mapping, or sequence of mappings, or pandas.DataFrame, optional
         The points, as for `sweep`; the scenario alone, if not given.
     draws : int

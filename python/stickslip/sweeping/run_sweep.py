@@ -66,8 +66,8 @@ def sweep(
     Parameters
     ----------
     scenario : Scenario
-        What the points have in common. A sweep keeps summaries only: what it records is
-        ignored but ``record.pull_share``, with which there is `pull_share`.
+        What the points have in common. A sweep keeps summaries. Of ``[record]`` only
+        ``pull_share`` counts: it adds `pull_share`.
     vary : mapping, or sequence of mappings, or pandas.DataFrame
         Values by dotted key: all combinations are simulated, in the order given, the last key
         fastest. Or a list with the changes of each point, as `Scenario.replace` takes them; or a

@@ -218,7 +218,8 @@ class VelocityTable(SimulatedTable):
 
     def _notes_of_runs(self) -> list[Note]:
         """Notes on the stated model's runs at the measured conditions."""
-        points = from_changes(self.scenario, self.conditions)
+        walked = self.scenario.replace({"record.pull_share": "no"})  # no note asks for it
+        points = from_changes(walked, self.conditions)
         rows = points.rows(np.arange(points.count))
         columns, _ = _core.sweep(points.scenario.to_core(), points.keys, rows, self.threads)
         return notes_of(points, columns, "conditions")
