@@ -697,12 +697,24 @@ def test_a_lag_of_readings_is_told_with_the_step_by_which_a_held_input_may_switc
         assert slow.told(17.3, "17.3 ± 0.1 s", 0.1).endswith("17.3 ± 0.1 s.")
 
 
+@pytest.mark.parametrize("known", [Prior("uniform", 1.0, 1e6), Prior("uniform", 0.0, 1e6),
+                                   Prior("log-uniform", 1.0, 1e6)])  # fmt: skip
+def test_a_constant_reaches_all_of_its_range(known):
+    # A floor at a part of the middle once left out a third of the range's decades.
+    capacity = models.thermal(capacity=known, loss=1.0).terms(
+        Series(T, np.sin(T), {"power": np.cos(T), "ambient": 0.0 * T}, unit="K")
+    )[0][0]
+    assert capacity.name == "capacity"
+    assert 0.0 < capacity.low <= 1.0
+
+
 def test_what_is_stated_is_a_constant_and_what_is_not_is_a_cause():
     log = Series(T, np.sin(T), {"torque": np.cos(T)})
     joint = models.joint(inertia={"median": 0.1, "factor": 1.3}, coulomb=(0.2, 0.1), viscous=0.3,
                          stribeck=stated("stribeck", "0.1:0.2"), without=["gravity"])  # fmt: skip
     assert joint.known["inertia"] == Prior("log-normal", 0.1, 1.3)
-    assert joint.known["stribeck"] == Prior("uniform", 0.1, 0.2)
+    assert joint.known["stribeck"] == Prior("log-uniform", 0.1, 0.2)
+    assert stated("zero", "-0.1:0.2") == Prior("uniform", -0.1, 0.2)
     uncertain, causes = joint.terms([log, log.named("other")])
     assert [each.name for each in uncertain] == [
         "inertia", "coulomb", "stribeck", "stribeck_speed", "start_speed"]  # fmt: skip

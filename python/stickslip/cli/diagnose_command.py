@@ -64,9 +64,9 @@ _SAID_FIRST = 3
     "--set",
     stated,
     "NAME=VALUE, NAME=VALUE,ERROR or NAME=LOW:HIGH, such as inertia=0.1,0.002",
-    "What is known of a ready-made model: a value, a value and its standard deviation, or "
-    "LOW:HIGH of a uniform prior, in SI units, temperatures as in the log; also reads, smooth and "
-    "without",
+    "What is known of a ready-made model, in SI units, temperatures as in the log: a value, a "
+    "value and its standard deviation, or the ends of a range, log-uniform if above zero; also "
+    "reads=NAME, smooth=yes and without=NAME,NAME",
     metavar="NAME=VALUE",
 )
 @click.option(

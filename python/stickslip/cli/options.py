@@ -76,7 +76,8 @@ def stated(key: str, text: str) -> Any:
             "both"
         )
     if re.fullmatch(r"[^:a-z]*\d[^:]*:[^:]*", text):
-        return Prior("uniform", *(number(key, part.strip()) for part in text.split(":", 1)))
+        low, high = (number(key, part.strip()) for part in text.split(":", 1))
+        return Prior("log-uniform" if low > 0.0 else "uniform", low, high)
     values = [number_or_word(part.strip()) for part in text.split(",")]
     if key == "without":
         return [str(value) for value in values]

@@ -92,7 +92,10 @@ class Term:
 
     def parameter(self, prior: Prior) -> Parameter:
         """As an uncertain constant."""
-        low = -math.inf if self.signed else 0.0 if self.size else _LEAST * float(prior.value(0.0))
+        least = _LEAST * float(prior.value(0.0))
+        if not prior.has_middle:  # its own low end, if that is above zero
+            least = max(prior.first, _LEAST * least)
+        low = -math.inf if self.signed else 0.0 if self.size else least
         return Parameter(self.name, prior, self.unit, low)
 
     def ranged(self, scales: Mapping[str, float]) -> Parameter:
