@@ -145,6 +145,9 @@ def test_a_long_run_is_shown_with_its_last_pulses_and_a_short_one_with_its_windo
     start, end = run.scenario.window
     assert (t[0], t[-1]) == pytest.approx((end - 0.06, end), abs=1.5 / RATE)  # six of 10 ms
     assert not plot.run(run, start + 0.01, end - 0.01).axes[0].patches
+    assert "last 6 of 40 pulses" in plot.run(run)._suptitle.get_text()
+    stopped = simulate(run.scenario, until=f"time >= {0.5 * end}")
+    assert "last 6 pulses before its end" in plot.run(stopped)._suptitle.get_text()
 
     run = recorded("walk")
     for axes in plot.run(run).axes[:5]:

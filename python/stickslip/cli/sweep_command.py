@@ -94,8 +94,8 @@ def command(
     loaded, read = load_with(scenario, set)
     output.check_files(read, out=(out, SUFFIXES), plot=(plot, ()))
     if out is not None and out.exists() and not resume:
-        cure = "choose another name" if as_csv else "--resume goes on with it"
-        raise ScenarioError(f"--out: {out} already exists; {cure}")
+        more = "" if as_csv else ", or go on with it by --resume"
+        raise ScenarioError(f"--out: {out} already exists; choose another name{more}")
     if plot is not None:
         options.check_drawable(vary, 2)
     count = math.prod(map(len, vary.values()))

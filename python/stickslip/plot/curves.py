@@ -243,7 +243,9 @@ def _title(run: Run, last_pulses: bool) -> str:
                 text = f"{along} mm/s along the drive, {across} to its left"
         words.append(f"mean velocity {text}")
     if last_pulses:
-        whole = f"of {drive.pulses} pulses" if run.ok else "pulses before its end"
+        missing = run.scenario.window[1] - run.t[-1]  # s, where a condition ended it
+        all_played = run.ok and missing < 0.5 / run.scenario.pulse_rate
+        whole = f"of {drive.pulses} pulses" if all_played else "pulses before its end"
         words.append(f"last {_SHOWN_PULSES} {whole}")
     if not run.ok:
         words.append(f"ended early: {run.status}")

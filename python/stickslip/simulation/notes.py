@@ -125,15 +125,15 @@ def _of_fluid(scenario: Scenario, summary: Mapping[str, Any]) -> list[Note]:
     speed = math.hypot(summary["mean_velocity"], summary["mean_velocity_y"])
     beyond = left_out(scenario.fluid, scenario.robot, frequency, speed)
     text_of = {
-        beyond.drag: f"swinging at {frequency:g} Hz adds {100 * beyond.drag:.0f} % to the drag and "
-        f"{100 * beyond.mass:.0f} % to the mass (Stokes, 1851)",
+        beyond.drag: f"the swing at {frequency:g} Hz adds {100 * beyond.drag:.0f} % to the drag "
+        f"and {100 * beyond.mass:.0f} % to the mass (Stokes, 1851)",
         beyond.inertia: f"the mean speed adds {100 * beyond.inertia:.0f} % to the drag (Schiller "
         "and Naumann, 1933)",
         beyond.film: f"while it lies flat, a film as thick as the gap adds {beyond.film:.2g} times "
-        "the drag, Eq. (16)",
+        "the drag, Eq. (16) of Pawashe, Floyd and Sitti (2008)",
     }
     texts = [text for size, text in text_of.items() if size > MUCH_OF_FLUID]
-    head = "the fluid's inertia and film are not in the model; for a sphere of this volume "
+    head = "the fluid's inertia and film are not in the model; for a sphere of this volume, "
     return [Note("fluid", head + "; ".join(texts), max(text_of))] if texts else []
 
 
