@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Expected: `write_register(address, 0.57, 2)` sends 57, the number that the device shows as 0.57.
 # What happens: 0.57 times 100 is 56.999... and its fraction is cut: 56 is sent, 112 for 1.13, 434 for 4.35. Of the
-#   1000 settings 0.00 to 9.99 one in 14 arrives one digit too low, and a setting that was read and written back
-#   unchanged is another one. No warning. canopen 2.4.1 rounds (its `phys` with a factor of 0.01 sends 57).
+#   1000 settings 0.00 to 9.99 one in 14 arrives one digit too low, and a setting that is read and written back
+#   arrives changed. No warning. canopen 2.4.1 rounds (its `phys` with a factor of 0.01 sends 57).
 # Package: minimalmodbus 2.1.1, pyserial 3.5. Source: found by trying.
 # Who is hurt: whoever sets temperatures, frequencies or limits, and compares what was asked with what is read.
 # Instead: write_register(address, round(100 * value)) without a number of decimals (tried).

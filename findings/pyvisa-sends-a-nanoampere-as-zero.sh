@@ -2,7 +2,7 @@
 # Expected: `write_ascii_values("SOUR:LIST:CURR ", values)` sends the values, with the digits that they have.
 # What happens: the default converter is "f", six decimals in whatever unit: 1e-9 and 4e-7 A are sent as 0.000000, 6e-7
 #   as 0.000001 and 1.23456e-4 as 0.000123. With "d" 2.7 is cut to 2. `query_ascii_values` reads all digits, so that a
-#   list read from an instrument and written back is another one. No warning; the count of bytes looks well.
+#   list read from an instrument and written back is another one. No warning.
 # Package: pyvisa 1.16.2. Source: the default is documented, what it does to small values is not.
 # Who is hurt: whoever sends a list of currents, fields or times in SI units to a source or a generator.
 # Instead: converter=repr, or a format of one's own, lambda x: f"{x:.9e}" (both tried).

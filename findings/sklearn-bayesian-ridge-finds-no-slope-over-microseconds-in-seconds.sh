@@ -3,7 +3,7 @@
 #   of the first two are called non-informative.
 # What happens: times of 0 to 1 us in seconds have the slope 0 in all three, of 0 to 1 ms in Huber 0.14 of the right
 #   one. With readings in micrometres in metres ARD has 0, and the stated error of a prediction by BayesianRidge is 143
-#   times the scale of the readings (right: 0.05); with numbers of a million the slope is 0. The priors, 1e-6, and
+#   times the scale of the readings (right: 0.05); with readings around 1e6 the slope is 0. The priors, 1e-6, and
 #   Huber's epsilon and tolerance are in the data's own units. No warning; LassoCV is right in all of them.
 # Package: scikit-learn 1.9.1, numpy 2.4.6, scipy 1.17.1. Source: found by trying.
 # Who is hurt: whoever wants error bars, sparse terms or a line without outliers of small robots in SI units.
