@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Expected: `BayesianOptimization(f, {"a": (0, 1), "b": (0, 1000)})` knows the bounds, and searches as in 0 to 1.
 # What happens: the default kernel has one length for all parameters and their bare numbers are used. A smooth bowl is
-#   found to 1e-6 after 25 runs if both lie in 0 to 1; with b in 0 to 1000 its best is hundreds of times worse or more, no
-#   better than 25 random points. The same line works in kHz and fails in Hz.
+#   found to 1e-6 after 25 runs if both lie in 0 to 1; with b in 0 to 1000 its best is hundreds of times worse or
+#   more, no better than 25 random points. The same line works in kHz and fails in Hz.
 # Package: bayesian-optimization 3.4.0, scikit-learn 1.9.1. Source: found by trying.
 # Who is hurt: whoever tunes a drive by a frequency in Hz and an amplitude in mT.
 # Instead: parameters scaled to 0 to 1, and turned back within f (tried).

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Expected: `extended_search_area_piv` of two clean images of particles finds their shift to 0.03 px.
 # What happens: with the window alone (no search area, as in the simplest call) every shift is 1.5 to 14 % too small,
-#   0.3 px is 0.26; and with light that rises from 0 to ten times a particle's height across the image, and does not move,
-#   a shift of 2.3 px is 1.0 px in the median. The windows are neither padded nor freed from a slope. No warning.
+#   0.3 px is 0.26; and with light that rises from 0 to ten times a particle's height across the image, and does not
+#   move, a shift of 2.3 px is 1.0 px in the median. The windows are neither padded nor freed from a slope. No warning.
 # Package: openpiv 0.26.1, numpy 2.3.5, scipy 1.17.1. Source: found by trying.
 # Who is hurt: whoever measures creep, flow or a robot's motion by a lamp on one side.
 # Instead: a search area of twice the window, and the images less a broad Gaussian mean of theirs (both tried).
