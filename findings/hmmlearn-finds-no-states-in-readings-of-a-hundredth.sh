@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Expected: `GaussianHMM(2)` of a record that stands at 0 or at 1 with a noise of 0.1 finds the two states, in any unit.
 # What happens: `min_covar` is 1e-3 in the square of the data's unit, and the variance has a prior of 1e-2. In units
-#   of 1 and 0.1 every reading is told right, in 0.01 and less half of them, as by a coin: both states have the mean 0.5 and
-#   a width of 0.7 to thousands. The fit reports that it converged. No warning.
+#   of 1 and 0.1 every reading is told right, in 0.01 and less half of them, as by a coin: both states have the mean 0.5
+#   and a width of 0.7 to thousands. The fit reports that it converged. No warning.
 # Package: hmmlearn 0.3.3, scikit-learn 1.9.1, numpy 2.3.5. Source: found by trying; both numbers are documented.
 # Who is hurt: whoever parts stick from slip, or steps of a walker, by positions in metres or speeds in mm/s.
 # Instead: the readings over their standard deviation, and the means turned back (tried).
