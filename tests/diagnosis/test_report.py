@@ -85,7 +85,9 @@ def test_twins_end_in_what_to_do_where_one_is_known_to_be_absent(rough):
     chance = [each for each in rough.chance.fits if len(each.causes) == 1]
     told = made.said(rough, "ambiguous", members=chance[:2], causes=("bump", "wave"), common=())
     line = told.summary().split("\n")[0]
-    assert line.endswith("leave it out: a ready-made model does so with --set without=NAME, such as bump.")
+    assert line.endswith(
+        "leave it out: a ready-made model does so with --set without=NAME, such as bump."
+    )
 
 
 def words_of(value, names):
