@@ -232,7 +232,7 @@ REFUSALS = [
                               "init --model joint"]),
     ("log", f"{JOINT} --set coulomb=strong", 'joint: coulomb = "strong": allowed is a number'),
     ("log", f"{JOINT} --set viscous=0,02", ["viscous=0,02", "write 0.02 with a decimal point, or"]),
-    ("log", f"{JOINT} --set viscous=3:1", "min = 3.0, max = 1.0: allowed is min < max"),
+    ("log", f"{JOINT} --set viscous=3:1", "low = 3.0, high = 1.0: allowed is 0 < low < high"),
     ("log", f"{JOINT} --set viscous=1:b", "allowed is a number, in SI units"),
     ("log", f"{JOINT} --set inertai=1", ["no inertai", 'did you mean "inertia"?']),
     ("log", f"{JOINT} --set reads=position", ['reads = "position"', "speed or angle"]),

@@ -198,7 +198,7 @@ def in_columns(
             refuse(what, values, f"{', '.join(names)} of the same length")
     if array.shape[-1:] != (len(names),) or axes not in (None, array.ndim):
         shape = {None: "(..., {})", 1: "({},)", 2: "(n, {})"}[axes].format(len(names))
-        text = f"allowed is shape {shape}, {', '.join(names)}"
+        text = f"allowed is shape {shape}, {', '.join(names)}: {allowed}"
         raise ScenarioError(f"{what} of shape {array.shape}: {text}")
     return array
 
