@@ -68,7 +68,7 @@ def test_an_offset_and_a_limit_act_one_after_the_other_on_one_prediction():
     assert seen[2] == pytest.approx(VELOCITIES + 5e-4, rel=1e-15)
     assert np.array_equal(seen[3], VELOCITIES)
     # Vectors that differ in the instruments alone share the physics.
-    assert asked == [(["drag.linear"], [[1.0], [2.0]])]
+    assert asked == [(["drag.linear"], [[2.0], [1.0]])]
     # Without their parameters instruments read what is there.
     alone = instruments.read_by(
         (offset, limit), names[1:2], values[:1, 1:2], physics, Table({}, VELOCITIES)

@@ -12,7 +12,6 @@ import click
 from click.shell_completion import CompletionItem
 
 from stickslip._util.messages import MOST_VALUES, shown
-from stickslip._util.prior import Prior
 from stickslip.scenario.held import PATHS
 from stickslip.scenario.keys import Value, full_name, known_keys
 
@@ -76,6 +75,8 @@ def stated(key: str, text: str) -> Any:
             "both"
         )
     if re.fullmatch(r"[^:a-z]*\d[^:]*:[^:]*", text):
+        from stickslip._util.prior import Prior  # and NumPy, which most commands start without
+
         low, high = (number(key, part.strip()) for part in text.split(":", 1))
         return Prior("log-uniform" if low > 0.0 else "uniform", low, high)
     values = [number_or_word(part.strip()) for part in text.split(",")]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Protocol
 
 import numpy as np
@@ -155,9 +154,8 @@ class Coils:
 def _five(values: ArrayLike) -> list[float]:
     """One value a coil, of one for all or of five; other shapes are a ValueError."""
     what, names = "a value of the coils", _core.coil_names
-    if not isinstance(values, Mapping):
-        one = numbers(what, values, gaps=True, finite=False)
-        values = np.repeat(one, len(names)) if one.ndim == 0 else one
+    if not hasattr(values, "__iter__") or getattr(values, "ndim", None) == 0:
+        values = np.repeat(numbers(what, values, gaps=True, finite=False), len(names))
     made = in_columns(what, values, names, axes=1, gaps=True, finite=False)
     return [float(value) for value in made]
 
