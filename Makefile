@@ -58,7 +58,7 @@ $(VENV)/.requirements: pyproject.toml $(VENV)/.created
 $(VENV)/.installed: $(SOURCES) $(VENV)/.requirements
 	@echo "Building stickslip (two to five minutes the first time)"
 	@$(RUN) -m pip install --quiet --no-build-isolation -C build-dir=$(BUILD) ".[all]"
-	@echo "Installed in $(VENV): try $(VENV)/bin/stickslip run"
+	@echo "Installed in $(VENV): try $(VENV)/bin/stickslip run examples/walk.toml"
 	@touch $@
 
 install: $(VENV)/.installed ## build the package into .venv
