@@ -135,7 +135,7 @@ def test_no_module_has_the_name_of_a_public_function():
 
 def test_the_library_does_not_need_the_command():
     folder = Path(stickslip.__file__).parent
-    programs = [folder / "__main__.py", folder / "demo.py", *folder.glob("cli/*.py")]
+    programs = [folder / "__main__.py", *folder.glob("cli/*.py")]
     for path in set(folder.rglob("*.py")) - set(programs):
         assert "stickslip.cli" not in path.read_text(encoding="utf-8"), path
 
