@@ -137,7 +137,6 @@ class CsvTable:
         self._thousands, self._bare = dict[int, tuple[int, str]](), dict[int, tuple[int, str]]()
         self._decimals = False
         self._rows: Iterator[tuple[int, list[str]]] = iter(())
-        self._lines: Iterator[tuple[int, str]] = iter(())
         lines = enumerate(text_lines(data), start=1)
         comments = []
         stated = None
@@ -151,10 +150,9 @@ class CsvTable:
         else:
             return
         (at, line), below = self._past_preamble((at, line), lines, columns, stated and stated[1])
-        self._lines = itertools.chain([(at, line)], below)
-        if any(map(_is_number, self._cells(line))):
-            self._take_header(comments, columns, (at, line), below)
-        self._rows = self._parsed(self._lines)
+        is_row = any(map(_is_number, self._cells(line)))
+        above = self._take_header(comments, columns, line) if is_row else []
+        self._rows = self._parsed(itertools.chain(above, [(at, line)], below))
         if not self.line:
             self.line, self.header = next(self._rows)
         if len(self.header) <= MOST_COLUMNS:  # else it is refused, see `columns`
@@ -211,14 +209,10 @@ class CsvTable:
         return ["" if cell in ("TS", "RN") else cell.strip("()[] ") for cell in cells]
 
     def _take_header(
-        self,
-        comments: list[tuple[int, str]],
-        columns: Collection[str],
-        first: tuple[int, str],
-        below: Iterator[tuple[int, str]],
-    ) -> None:
-        """Make the last comment that names columns of the first row the header, if there is one."""
-        count = len(named_cells(self._cells(first[1])))
+        self, comments: list[tuple[int, str]], columns: Collection[str], first: str
+    ) -> list[tuple[int, str]]:
+        """Make the last comment that names columns of the first row the header; those below it."""
+        count = len(named_cells(self._cells(first)))
         spelled = {name.casefold() for name in columns}
         for k in reversed(range(len(comments))):
             at, line = comments[k]
@@ -226,8 +220,8 @@ class CsvTable:
             known = any(split_unit(name)[0].casefold() in spelled for name in names)
             if known and len(names) == count and not any(map(_is_number, names)):
                 self.line, self.header = at, names
-                self._lines = itertools.chain(comments[k + 1 :], [first], below)
-                return
+                return comments[k + 1 :]
+        return []
 
     def _take_units(self) -> None:
         """Join a row of units below the names with them."""
@@ -253,22 +247,18 @@ class CsvTable:
 
         A line that begins with # is a row if it has as many cells as the header, else a comment.
         """
+        width = len(self.header)
         while some := list(itertools.islice(self._rows, _BLOCK)):
-            yield self._block(some)
-
-    def _block(self, rows: list[tuple[int, list[str]]]) -> Block:
-        width, ragged, lines = len(self.header), dict[int, int](), list[int]()
-        cells: list[list[str]] = []
-        for at, row in rows:
-            if not any(row):
-                continue
-            if len(row) != width:
-                row = self._fitted(row)
-                if len(row) != width:
-                    ragged[len(lines)], row = len(row), [""] * width
-            lines.append(at)
-            cells.append(row)
-        return Block(lines, list(zip(*cells, strict=True)) or [()] * width, ragged)
+            lines, cells, ragged = list[int](), list[list[str]](), dict[int, int]()
+            for at, row in some:
+                if not any(row):
+                    continue
+                fitted = self._fitted(row)
+                if len(fitted) != width:
+                    ragged[len(lines)], fitted = len(fitted), [""] * width
+                lines.append(at)
+                cells.append(fitted)
+            yield Block(lines, list(zip(*cells, strict=True)) or [()] * width, ragged)
 
     def pointed(self, block: Block, column: int) -> Sequence[str]:
         """The cells of numbers of a column with decimal points, as by `with_point`."""
