@@ -85,8 +85,11 @@ coverage: install ## lines of both languages that the Python tests reach (PYTEST
 	    --markdown-summary $(COVERAGE)/core.md $(COVERAGE)/core
 	@cat $(COVERAGE)/core.md >> $(COVERAGE)/report.md
 
-demo: install ## a short tour: a film, four runs as a table, pictures
-	@$(RUN) -m stickslip.demo
+demo: install ## a short tour: a film, four walks as a table, pictures, into demo_output
+	@mkdir -p demo_output
+	stickslip run examples/walk.toml --plot demo_output/walk.png --animate demo_output/walk.webp
+	stickslip sweep examples/walk.toml --vary drive.mode=IPP,OPP --vary drive.frequency=30,100 \
+	    --plot demo_output/walks.png
 
 pictures: install ## the pictures of README and documentation, into docs/images
 	@$(RUN) docs/pictures.py

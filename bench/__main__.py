@@ -12,13 +12,11 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 PROGRAMS = {
-    "now": ("now", "cost and false alarms of diagnoses, beside the first figures"),
+    "now": ("now", "cost and false alarms of diagnoses"),
     "speed": ("speed", "both integrators at equal accuracy"),
     "sweep": ("sweep", "sweeps: cost of a run and of a point, threads"),
-    "promises": ("promises", "import, Ctrl-C, long runs, sweeps; fails if a promise is broken"),
     "against": ("against", "this version beside an earlier commit (against COMMIT)"),
     "golden": ("golden", "whether the diagnosis says of 149 problems what it said before"),
-    "interface": ("interface", "what changed in the public interface since a commit"),
     "peers": ("peers", "SciPy, heyoka, MuJoCo and magpylib at equal accuracy"),
     "blind": ("blind", "the blind study of the diagnosis: make, diagnose, judge, tables ..."),
     "untold": ("untold", "whether what data cannot tell is said, of made sets"),

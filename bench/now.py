@@ -1,11 +1,10 @@
-"""Figures of this version beside the first ones: `python -m bench now [PART ...]`.
+"""Figures of this version: `python -m bench now [PART ...]`.
 
 Each part writes its figures into bench/now.json as they come, with the commit of the sources, the
 processor and the width of the packs. A part that ran out of its time goes on at the next call, at
 the same commit on the same machine; else it begins anew. CPU times of diagnoses are figures over
 that of the best BIC on the same problem, and in seconds beside; those of runs and sweeps are
-measured by `python -m bench against`. Tables have first
-figures in bench/first.json, which stay.
+measured by `python -m bench against`.
 """
 
 from __future__ import annotations
@@ -28,7 +27,7 @@ from scores import interval
 from stale import digest, stale
 
 HERE = Path(__file__).resolve().parent
-NOW, FIRST = HERE / "now.json", HERE / "first.json"
+NOW = HERE / "now.json"
 REPEATS = 3  # of a diagnosis; chosen, as each takes up to minutes
 TABLES, BATCH = 2000, 100  # sound tables in all, and between two looks at the clock
 
@@ -152,17 +151,15 @@ def written(path: Path, parts: dict[str, Any]) -> None:
     whole.replace(path)
 
 
-def line(figure: str, row: Row, first: Row | None) -> str:
-    """Figure, first, new, their ratio, and the interval of the new one."""
-    old = first["median"] if first else float("nan")
-    ratio = row["median"] / old if old else float("nan")
+def line(figure: str, row: Row) -> str:
+    """Figure with its interval."""
     between = f"{row['low']:.5g} to {row['high']:.5g}"
-    return f"{figure:42}{old:11.5g}{row['median']:11.5g}{ratio:8.3f}  {between:22} {row['unit']}"
+    return f"{figure:42}{row['median']:11.5g}  {between:22} {row['unit']}"
 
 
 def measured(name: str, path: Path, budget: Budget) -> None:
     """Begin or continue a part, and write each figure as it comes."""
-    parts, first = read(path), read(FIRST).get(name, {}).get("rows", {})
+    parts = read(path)
     model, width = processor()
     stated = {"commit": commit(), "processor": model, "kernel width": width, "golden": digest()}
     part = parts.get(name, {})
@@ -174,7 +171,7 @@ def measured(name: str, path: Path, budget: Budget) -> None:
         for figure, row in PARTS[name](part["rows"], budget):
             part["rows"][figure] = rounded(row)
             written(path, parts)
-            print(line(figure, row, first.get(figure)), flush=True)
+            print(line(figure, row), flush=True)
     except OutOfTime:
         print(f"{name}: out of time; the next call goes on")
         return
@@ -190,7 +187,7 @@ def main() -> int:
     options = parser.parse_args()
     if not set(options.parts) <= set(PARTS):
         parser.error(f"PART: allowed are {', '.join(PARTS)}")
-    print(f"{'figure':42}{'first':>11}{'new':>11}{'ratio':>8}  95 % interval")
+    print(f"{'figure':42}{'median':>11}  95 % interval")
     for name in options.parts or PARTS:
         ends = time.monotonic() + 60.0 * options.minutes
         measured(name, options.out, Budget(ends))

@@ -34,7 +34,7 @@ def left_in(folder):
 
 
 # What the bar shows when the signals come, what is said behind "interrupted", the files that stay.
-# How fast it ends is measured by bench/promises.py; here, that a run of hours does.
+# A run of hours ends; how fast is not asked of a busy machine.
 INTERRUPTED = {
     f"run s.toml {HOURS}": ("simulating", "", []),
     # As many pulses as the default of solver.max_steps allows, two stretches each.

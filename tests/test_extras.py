@@ -125,7 +125,6 @@ def test_commands_of_the_base(arguments, tmp_path):
         (OPTIONAL, "stickslip reproduce", "h5netcdf", "netcdf,diagnosis"),
         (OPTIONAL, "stickslip run scenario.toml --plot run.png", "matplotlib", "plot"),
         (OPTIONAL, "stickslip run scenario.toml --out run.nc", "h5netcdf", "netcdf"),
-        (OPTIONAL, "stickslip.demo", "matplotlib", "plot"),
         # Not begun where its page could not be written.
         (["jinja2"], "stickslip diagnose no.toml", "jinja2", "diagnosis"),
     ],

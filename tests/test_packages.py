@@ -113,7 +113,7 @@ def test_the_diagnosis_names_no_robot():
 
 
 def test_import_is_light():
-    # The promise is 0.3 s (bench/promises.py); what would break it are these, each 0.1 s or more by
+    # The promise is 0.3 s; what would break it are these, each 0.1 s or more by
     # itself. Looking for them, unlike a clock, gives one answer on any machine.
     heavy = "{'numpy', 'scipy', 'pandas', 'xarray', 'matplotlib', 'h5py', 'jinja2', 'click'}"
     study = "'reproduction'"
@@ -135,7 +135,7 @@ def test_no_module_has_the_name_of_a_public_function():
 
 def test_the_library_does_not_need_the_command():
     folder = Path(stickslip.__file__).parent
-    programs = [folder / "__main__.py", folder / "demo.py", *folder.glob("cli/*.py")]
+    programs = [folder / "__main__.py", *folder.glob("cli/*.py")]
     for path in set(folder.rglob("*.py")) - set(programs):
         assert "stickslip.cli" not in path.read_text(encoding="utf-8"), path
 

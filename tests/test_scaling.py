@@ -63,7 +63,7 @@ def work(pulses):
 
 
 def test_a_hundred_times_longer_is_a_hundred_times_the_work():
-    # What an evaluation costs is measured by bench/promises.py.
+    # What an evaluation costs is measured by `bench against`.
     assert work(100 * PULSES) <= 105 * work(PULSES)
 
 

@@ -1,4 +1,4 @@
-"""Walks in the whole plane beside the rigid body with eight corners of `tests/reference`."""
+"""Walks in the whole plane beside those of a rigid body with eight corners, which are stored."""
 
 import json
 import math
@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from helpers import program_of
+from reference.drive import voltages_of
 from reference.heading import Heading, heading_voltages
-from reference.steering_table import pulse_ends
 from stickslip import Scenario, Simulator, State, Waveform, open_run, simulate
 from stickslip.control import heading_voltages as steering_voltages
 
@@ -81,6 +81,23 @@ def test_a_walk_is_that_of_the_rigid_body(walk):
     assert across == pytest.approx(expected["across"], abs=aside)
 
 
+def test_voltages_follow_a_heading_that_turns():
+    drive = TABLE["walks"][0]["drive"]
+    turn = Heading((0.1, 0.13), (0.0, np.radians(90.0)))
+    volts, planar = heading_voltages(drive, turn), voltages_of(drive)
+    t = np.linspace(0.001, 0.24, 1234)
+
+    def at(program):
+        k = np.searchsorted(program.start, t, side="right") - 1
+        return program.level[k] + program.slope[k] * (t - program.start[k])[:, None]
+
+    # Of the two coils of an axis, alike, the sum makes the field.
+    found = np.stack([at(volts)[:, :2].sum(axis=1), at(volts)[:, 2:4].sum(axis=1)], axis=1)
+    expected = at(planar)[:, :1] * np.stack([np.cos(turn(t)), np.sin(turn(t))], axis=1)
+    # Sawtooth and heading both change between two points: a quarter of the product of the changes.
+    assert found == pytest.approx(expected, abs=3e-5 * np.abs(expected).max())
+
+
 def turning_run(walk, heading):
     """The run under the walk's five voltages."""
     volts = heading_voltages(walk["drive"], heading, walk["coils"])
@@ -122,7 +139,10 @@ def test_a_walk_that_turns_or_is_pushed_is_that_of_the_rigid_body(walk):
         assert along == pytest.approx(expected["along"], rel=part)
     assert across == pytest.approx(expected["across"], abs=aside)
     if len(heading.times) > 1:
-        ends = np.interp(pulse_ends(walk["drive"]), run.t, np.unwrap(run.heading))
+        period = 1.0 / walk["drive"]["frequency"]
+        pulses = round((volts.last_counted - volts.first_counted) / period)
+        ended = volts.first_counted + period * np.arange(1, pulses + 1)
+        ends = np.interp(ended, run.t, np.unwrap(run.heading))
         assert ends == pytest.approx(np.array(walk["whole"]["headings"]), abs=math.radians(0.5))
 
 

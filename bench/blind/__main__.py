@@ -16,7 +16,7 @@ from pathlib import Path
 
 from stale import stale
 
-from blind import changes, intervals, late, own, seeds, twins, units
+from blind import changes, intervals, own, seeds, twins, units
 from blind.kinds import KINDS, STUDY, plan
 from blind.scoring import read, report
 from blind.study import HERE, Row, diagnose_sets, in_parts, judge, lines, make
@@ -26,7 +26,6 @@ OF_LOGS = {
     "own": (own.of_seed, own.tables, "sets of models of one's own"),
     "clean": (own.of_clean, own.tables, "sets that hide nothing"),
     "twins": (twins.judged, twins.table, "logs of near twins"),
-    "late": (late.judged, late.table, "logs whose input acts late"),
     "changes": (changes.judged, changes.table, "pairs of logs with one difference"),
     "intervals": (intervals.judged, intervals.table, "sizes beside an error of the model"),
     "servo": (own.of_servo, own.tables, "logs of servos"),

@@ -8,8 +8,7 @@ are written anew. Only numpy, scipy and numba are needed.
     run = simulate_reference(dict(mode="IPP", frequency=100.0, base=0.5e-3, hold=1e-3, pulses=20))
     run.mean_velocity        # m/s
 
-A robot that turns has a reference of its own: a rigid body with eight corners, `walk.py: walk`,
-which knows no plane of motion, no edge and no heading but what comes out.
+Walks of a robot that turns are stored, see `tests/data/README.md`.
 """
 
 from .field import coil_field, coil_wires

@@ -26,11 +26,6 @@ class Heading:
         return np.interp(t, self.times, self.angles)
 
 
-def constant(angle: float) -> Heading:
-    """A heading in rad that does not change."""
-    return Heading((0.0,), (float(angle),))
-
-
 def coil_shares(angle: float, coils: str) -> np.ndarray:
     """Voltage of each coil per volt of the planar drive's lateral coil, shape (5,).
 

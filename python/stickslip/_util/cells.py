@@ -84,20 +84,17 @@ def text_lines(data: bytes) -> Iterator[str]:
 
 
 _BLOCK = 1 << 12  # lines; chosen: few enough for the room of their cells
-_UNUSUAL = re.compile(r'["#_]')
 
 
 class Block(NamedTuple):
     """Rows below a header: their lines, their cells by column, and which have too many or few.
 
-    `ragged` has the number of cells of these by row of the block; their cells are empty here. Cells
-    are `plain` if none has a quote, a mark of a comment or an underscore.
+    `ragged` has the number of cells of these by row of the block; their cells are empty here.
     """
 
     lines: Sequence[int]
     columns: Sequence[Sequence[str]]
     ragged: dict[int, int]
-    plain: bool
 
 
 class CsvTable:
@@ -136,12 +133,10 @@ class CsvTable:
         self.line, self.header, self.separator = 0, list[str](), ","
         self.comments = self.beyond = self.above = 0
         self._mark: tuple[str, str, int] | None = None
-        self._first: tuple[int, list[str]] | None = None
         # By column, the first cell that may have thousands, and the first without any mark.
         self._thousands, self._bare = dict[int, tuple[int, str]](), dict[int, tuple[int, str]]()
         self._decimals = False
         self._rows: Iterator[tuple[int, list[str]]] = iter(())
-        self._lines: Iterator[tuple[int, str]] = iter(())
         lines = enumerate(text_lines(data), start=1)
         comments = []
         stated = None
@@ -155,10 +150,9 @@ class CsvTable:
         else:
             return
         (at, line), below = self._past_preamble((at, line), lines, columns, stated and stated[1])
-        self._lines = itertools.chain([(at, line)], below)
-        if any(map(_is_number, self._cells(line))):
-            self._take_header(comments, columns, (at, line), below)
-        self._rows = self._parsed(self._lines)
+        is_row = any(map(_is_number, self._cells(line)))
+        above = self._take_header(comments, columns, line) if is_row else []
+        self._rows = self._parsed(itertools.chain(above, [(at, line)], below))
         if not self.line:
             self.line, self.header = next(self._rows)
         if len(self.header) <= MOST_COLUMNS:  # else it is refused, see `columns`
@@ -215,14 +209,10 @@ class CsvTable:
         return ["" if cell in ("TS", "RN") else cell.strip("()[] ") for cell in cells]
 
     def _take_header(
-        self,
-        comments: list[tuple[int, str]],
-        columns: Collection[str],
-        first: tuple[int, str],
-        below: Iterator[tuple[int, str]],
-    ) -> None:
-        """Make the last comment that names columns of the first row the header, if there is one."""
-        count = len(named_cells(self._cells(first[1])))
+        self, comments: list[tuple[int, str]], columns: Collection[str], first: str
+    ) -> list[tuple[int, str]]:
+        """Make the last comment that names columns of the first row the header; those below it."""
+        count = len(named_cells(self._cells(first)))
         spelled = {name.casefold() for name in columns}
         for k in reversed(range(len(comments))):
             at, line = comments[k]
@@ -230,12 +220,12 @@ class CsvTable:
             known = any(split_unit(name)[0].casefold() in spelled for name in names)
             if known and len(names) == count and not any(map(_is_number, names)):
                 self.line, self.header = at, names
-                self._lines = itertools.chain(comments[k + 1 :], [first], below)
-                return
+                return comments[k + 1 :]
+        return []
 
     def _take_units(self) -> None:
         """Join a row of units below the names with them."""
-        self._first = below = next(self._rows, None)
+        below = next(self._rows, None)
         if below is None:
             return
         units = self._bare_units(below[1])
@@ -246,61 +236,37 @@ class CsvTable:
                 for name, unit in pairs
             ]
             # Below them such a logger says how each was made: Smp, Avg.
-            self._first = next(self._rows, None) if "TS" in below[1] else None
-            if self._first and not any(map(_is_number, self._first[1])):
-                self._first = None
+            below = next(self._rows, None) if "TS" in below[1] else None
+            if below and not any(map(_is_number, below[1])):
+                below = None
+        if below is not None:
+            self._rows = itertools.chain([below], self._rows)
 
     def blocks(self) -> Iterator[Block]:
         """All rows that have a cell.
 
         A line that begins with # is a row if it has as many cells as the header, else a comment.
         """
-        if self._first is not None:
-            yield self._block([self._first], False)
-        blank, split, width = f"{self.separator} \t\r\v\f", self.separator, len(self.header)
-        while some := list(itertools.islice(self._lines, _BLOCK)):
-            kept = [(at, line) for at, line in some if line.strip(blank)]
-            lines = [line for _, line in kept]
-            whole = split.join(lines)
-            if _UNUSUAL.search(whole):
-                yield self._block(list(self._parsed(iter(some))), False)
-            elif all(line.count(split) == width - 1 for line in lines):
-                # All cells at once: lists of single rows would take twice the time.
-                cells = whole.split(split) if lines else []
-                yield Block(
-                    [at for at, _ in kept], [cells[k::width] for k in range(width)], {}, True
-                )
-            else:
-                yield self._block([(at, line.split(split)) for at, line in kept], True)
-
-    def _block(self, rows: list[tuple[int, list[str]]], plain: bool) -> Block:
-        width, ragged, lines = len(self.header), dict[int, int](), list[int]()
-        cells: list[list[str]] = []
-        for at, row in rows:
-            if not plain and not any(row):
-                continue
-            if len(row) != width:
-                row = self._fitted(row if not plain else [cell.strip() for cell in row])
-                if len(row) != width:
-                    ragged[len(lines)], row = len(row), [""] * width
-            lines.append(at)
-            cells.append(row)
-        return Block(lines, list(zip(*cells, strict=True)) or [()] * width, ragged, plain)
+        width = len(self.header)
+        while some := list(itertools.islice(self._rows, _BLOCK)):
+            lines, cells, ragged = list[int](), list[list[str]](), dict[int, int]()
+            for at, row in some:
+                if not any(row):
+                    continue
+                fitted = self._fitted(row)
+                if len(fitted) != width:
+                    ragged[len(lines)], fitted = len(fitted), [""] * width
+                lines.append(at)
+                cells.append(fitted)
+            yield Block(lines, list(zip(*cells, strict=True)) or [()] * width, ragged)
 
     def pointed(self, block: Block, column: int) -> Sequence[str]:
         """The cells of numbers of a column with decimal points, as by `with_point`."""
         cells = block.columns[column]
         if self.separator == ",":
             return cells
-        dots = next((k for k, cell in enumerate(cells) if "." in cell), None)
-        bare = next((k for k, cell in enumerate(cells) if cell.strip().isdigit()), None)
-        known = self._mark is None or self._mark[0] == "."
-        if any("," in cell for cell in cells) or not (known or dots is None):
-            pairs = zip(block.lines, cells, strict=True)
-            return [self.with_point(line, column, cell.strip()) for line, cell in pairs]
-        for k in {each for each in (dots, bare) if each is not None}:
-            self.with_point(block.lines[k], column, cells[k].strip())
-        return cells
+        pairs = zip(block.lines, cells, strict=True)
+        return [self.with_point(line, column, cell) for line, cell in pairs]
 
     def with_point(self, line: int, column: int, cell: str) -> str:
         """A cell of numbers whose decimal comma, if it has one, is a decimal point.

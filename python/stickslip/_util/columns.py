@@ -325,7 +325,7 @@ def _of_file(source: Source, recipe: Recipe) -> SourceTable:
     for block in file.blocks():
         for k, part in enumerate(parts):
             is_text = part.what.si is None
-            part.take(block.columns[k] if is_text else file.pointed(block, k), block.plain)
+            part.take(block.columns[k] if is_text else file.pointed(block, k))
         ragged |= {len(lines) + k: count for k, count in block.ragged.items()}
         lines += block.lines
         if len(lines) > _MOST_ROWS and not recipe.exact:
@@ -369,17 +369,12 @@ class _Part:
         self.odd: dict[int, str] = {}
         self.count = 0
 
-    def take(self, cells: Sequence[str], plain: bool) -> None:
-        """Read some cells; not plain ones may be 1_000, which Python reads as a number."""
+    def take(self, cells: Sequence[str]) -> None:
+        """Read some cells."""
         if self.what.si is None:
-            self.texts += map(str.strip, cells)
+            self.texts += cells
             return
-        try:
-            if not plain:
-                raise ValueError
-            values = np.array(list(map(float, cells)))
-        except ValueError:
-            values = np.array([number(cell.strip(), LARGEST) for cell in cells])
+        values = np.array([number(cell, LARGEST) for cell in cells])
         self.take_numbers(values, cells)
 
     def take_numbers(self, values: Array, cells: Sequence[Any]) -> None:
@@ -454,7 +449,7 @@ def _of_arrays(source: Source, recipe: Recipe) -> SourceTable:
         part, cells = _Part(what), list(values)
         if what.si is None or any(isinstance(cell, str) for cell in cells):
             # Texts are checked one by one, as those of a file.
-            part.take([_cell(value) for value in cells], False)
+            part.take([_cell(value) for value in cells])
         else:
             if states_unit(values):  # dates and durations are in s, whatever the heading says
                 part.what = what._replace(unit="s", per=1.0)
