@@ -131,6 +131,7 @@ REFUSALS = [
     ("command", "run", "SCENARIO"),
     ("command", "run s.toml other.toml", "other.toml"),
     ("command", "keys wxyz", ["wxyz", '"drive"', '"effects"']),
+    ("command", "keys oil", ["oil: no key", "drive.coils"]),
     ("command", "keys frequncy", 'did you mean "drive.frequency"?'),
     ("command", "effects surface_tlt", 'did you mean "surface_tilt"?'),
     ("command", "run s.toml --plot a.png --start 9", ["--start", "9.0", "1.05 s"]),
