@@ -16,7 +16,7 @@ from stickslip._util.text import json_text, printable
 from stickslip.errors import ScenarioError, prefixed
 
 MOST_ROWS = 50
-"""Points that are printed. Chosen: about one page; a longer table is in the file alone."""
+"""Points that are printed. Chosen: about one page; of a longer table the ends of each column."""
 
 PATIENCE = 2.0
 """Time that passes without a bar, s. Chosen: a shorter wait needs no explanation."""
@@ -43,12 +43,17 @@ def print_rows(rows: Iterable[tuple[str, object]]) -> None:
 
 
 def print_points(columns: Mapping[Any, Sequence[Any]]) -> None:
-    """Print columns with a row for each point, if these are few; a name is a tuple of lines."""
+    """Print columns with a row for each point, or the ends of the numbers where these are many.
+
+    A name is a tuple of lines.
+    """
     import pandas
 
     table = pandas.DataFrame(columns)
-    if 0 < len(table) <= MOST_ROWS:
-        shown = table.to_string(index=False, sparsify=False, float_format="%.6g")
+    if is_long := len(table) > MOST_ROWS:
+        table = table.select_dtypes("number").agg(["min", "max"]).set_axis(["from", "to"])
+    if not table.empty:
+        shown = table.to_string(index=is_long, sparsify=False, float_format="%.6g")
         click.echo(f"{shown}\n")
 
 

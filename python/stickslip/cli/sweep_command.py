@@ -178,7 +178,7 @@ def _extremes(data: xarray.Dataset, table: DataFrame) -> dict[str, dict[str, Any
 
 
 def _print(data: xarray.Dataset, table: DataFrame) -> None:
-    """The points, if they are few, counts and extremes."""
+    """The points, counts and extremes."""
     velocities, keys, units = shown_velocities(data), _keys(data), table.attrs["units"]
     names = [*keys, "status", *velocities, *_SHOWN, *(name for name in ASKED if name in data)]
     output.print_points({(name, units[name] or "-"): table[name] for name in names})
