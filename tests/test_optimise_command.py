@@ -68,7 +68,7 @@ def test_keys_give_a_scenario_without_a_program(scenario, tmp_path):
     assert {*found} == {
         *("figure", "unit", "maximise", "score", "values", "origin", "moves", "beyond_limits"),
         *("airborne_fraction", "notes", "search", "fresh", "sawtooth", "limits", "default_limits"),
-        *("at_least", "other_way"),
+        *("at_least", "other_way", "no_sawtooth", "ended", "agreeing"),
         *("active", "landscape", "draws", "runs", "seed", "interrupted", "seconds"),
     }
 
