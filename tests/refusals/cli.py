@@ -1,6 +1,7 @@
 """Refusals of the command: its arguments, with other files than usual where these are bad."""
 
 from command_line import check, stickslip
+from stickslip.cli.commands import COMMANDS, loaded
 
 HEAD = "stickslip = 1\n[drive]\n"
 CSV = "t,xp,xm,yp,ym,clamp\n0,0,0,0,0,0\n1,1,0,0,0,0\n"
@@ -252,4 +253,10 @@ REFUSALS = [
     ("log", "--model m.py:steel --set inertia=1", "--set: m.py says what is known"),
     ("log", "--model wrong.py:b", "wrong.py: line 2: ZeroDivisionError"),
     ("command", "init --model jiont", ["--model", "jiont", "joint"]),
+    *(
+        ("command", f"{name} {option.opts[0]} 1 {option.opts[-1]} 1", "is there twice")
+        for name in COMMANDS
+        for option in loaded(name).params
+        if option.opts[0].startswith("-") and not (option.is_flag or option.multiple)
+    ),
 ]  # fmt: skip
