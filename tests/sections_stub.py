@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 from pathlib import Path
 
 from stickslip import _HOMES, COIL_NAMES, _core
@@ -162,6 +163,7 @@ def run_stub_text() -> str:
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(description=__doc__).parse_args()
     NAMES_FILE.write_text(names_stub_text())
     FILE.write_text(stub_text())
     RUN_FILE.write_text(run_stub_text())

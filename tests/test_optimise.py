@@ -421,6 +421,18 @@ def test_no_neighbour_within_the_limits_is_better(few):
     assert found.scenario.drive.peak > START.drive.peak
 
 
+@pytest.mark.parametrize(("ends", "agreeing"), [((0.5, 0.9), 1), ((0.9, 0.9), 2), ((0.9,), 1)])
+def test_a_best_that_no_second_start_confirms_is_told(few, monkeypatch, ends, agreeing):
+    def ended(starts, evaluate, budget, seed):
+        return len(evaluate(np.array([[0.0, end] for end in ends])))
+
+    monkeypatch.setattr(module, "search", ended)
+    found = optimise(START, maximise="field_max", free={"drive.peak": (1e-3, 4e-3)}, **LITTLE,
+                     allow_flight=True, allow_pull=True)  # fmt: skip
+    assert (found.ended, found.agreeing) == (len(ends), agreeing)
+    assert ("another --seed" in found.summary()) == (agreeing < 2)
+
+
 def test_ctrl_c_keeps_the_best_so_far(few, batches):
     batches.ctrl_c = 3
     with pytest.raises(KeyboardInterrupt) as interrupt:

@@ -19,14 +19,14 @@ HOPS = (
     "--set", "drive.mode=OPP", "--set", "drive.frequency=400", "--set", "robot.length=0.4e-3",
     "--set", "robot.width=0.25e-3", "--set", "robot.height=0.15e-3",
 )  # fmt: skip
-FEW = ("--evaluations", 25, "--draws", 3, "--fresh", 5)
+FEW = ("--draws", 3, "--fresh", 5, "--evaluations")
 WAVE = ("--maximise", "mean_velocity", "--limit", "voltage_max=26", "--knots", 4)
 
 
 @pytest.mark.nightly
 def test_the_files_are_a_scenario_its_voltages_and_a_picture(scenario, tmp_path):
     out = tmp_path / "found"
-    done = stickslip("optimise", scenario, *WAVE, *FEW, "--free", "drive.frequency=60:90",
+    done = stickslip("optimise", scenario, *WAVE, *FEW, 25, "--free", "drive.frequency=60:90",
                      "--allow-flight", "--out", out)  # fmt: skip
     assert (done.returncode, done.stderr) == (0, "")
     assert sorted(each.name for each in out.iterdir()) == ["best.csv", "best.png", "best.toml"]
@@ -47,8 +47,8 @@ def test_the_files_are_a_scenario_its_voltages_and_a_picture(scenario, tmp_path)
 def test_keys_give_a_scenario_without_a_program(scenario, tmp_path):
     done = stickslip(
         "optimise", scenario, "--minimise", "power_mean", "--free", "drive.hold=0.5e-3:2e-3",
-        "--free", "drive.edge=rise,fall", "--set", "drive.frequency=60", *FEW,
-        "--evaluations", 300, "--json", "--out", tmp_path / "found",
+        "--free", "drive.edge=rise,fall", "--set", "drive.frequency=60",
+        *FEW, 300, "--json", "--out", tmp_path / "found",
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)
@@ -68,12 +68,12 @@ def test_keys_give_a_scenario_without_a_program(scenario, tmp_path):
     assert {*found} == {
         *("figure", "unit", "maximise", "score", "values", "origin", "moves", "beyond_limits"),
         *("airborne_fraction", "notes", "search", "fresh", "sawtooth", "limits", "default_limits"),
-        *("at_least", "other_way"),
+        *("at_least", "other_way", "no_sawtooth", "ended", "agreeing"),
         *("active", "landscape", "draws", "runs", "seed", "interrupted", "seconds"),
     }
 
 
 def test_json_alone_writes_nothing(scenario, tmp_path):
-    done = stickslip("optimise", scenario, *WAVE, *FEW, "--evaluations", 20, "--json", cwd=tmp_path)
+    done = stickslip("optimise", scenario, *WAVE, *FEW, 20, "--json", cwd=tmp_path)
     assert set(json.loads(done.stdout)["fresh"]) >= {"start", "best", "sawtooth"}
     assert [each.name for each in tmp_path.iterdir()] == ["scenario.toml"]

@@ -112,12 +112,16 @@ def test_sweeps_and_predictions_have_it_where_the_scenario_asks(scenario):
     prior = {"drag.linear": {"mean": 1e-5, "sd": 1e-12}}
     bands = predict(base.replace(ASKED), at, 2, uncertain=prior)
     np.testing.assert_allclose(bands.pull_share.sel(quantile=0.5), alone, rtol=1e-3)
-    command = "sweep", scenario, "--vary", "drive.frequency=60,100"
-    assert "pull_share" in stickslip(*command, "--set", "record.pull_share=yes").stdout
     file = scenario.parent / "u.toml"
     file.write_text('[uncertain]\n"drag.linear" = { mean = 1e-5, sd = 1e-6 }')
-    command = "predict", scenario, "--draws=2", "--figures=pull_share", "--uncertain", file
-    done = stickslip(*command)
+    bands = "predict", scenario, "--draws=2", "--uncertain", file
+    for values in ("60,100", "60:100:51"):  # the second so many that their ends are printed
+        more = f"--vary=drive.frequency={values}", "--set", "record.pull_share=yes"
+        for command, name in ((("sweep", scenario), "pull_share"), (bands, "pull_share_q50")):
+            heading, _, *lines = stickslip(*command, *more).stdout.partition("\n\n")[0].split("\n")
+            assert name in heading.split()
+            assert len(lines) == 2
+    done = stickslip(*bands, "--figures=pull_share")
     assert "pull_share needs --set record.pull_share=yes, left out" in done.stderr
 
 

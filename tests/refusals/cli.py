@@ -1,6 +1,7 @@
 """Refusals of the command: its arguments, with other files than usual where these are bad."""
 
 from command_line import check, stickslip
+from stickslip.cli.commands import COMMANDS, loaded
 
 HEAD = "stickslip = 1\n[drive]\n"
 CSV = "t,xp,xm,yp,ym,clamp\n0,0,0,0,0,0\n1,1,0,0,0,0\n"
@@ -103,24 +104,20 @@ REFUSALS = [
     ("command", "coils s.toml --amperes inf", "amperes = inf"),
     ("command", "coils s.toml --plot s.toml", "--plot"),
     ("--vary", "drive.frequency", ["drive.frequency", "key=start:stop:count"]),
-    ("--vary", "drive.frequency=", "key=start:stop:count"),
+    *(
+        ("--vary", f"drive.frequency={text}", "start:stop:count")
+        for text in ("", "5:5:3", "5:6:1", "5:200:1.5", "5:200:-3", "5:200", "a:b:3", "1:inf:3",
+                     "5:200:1" + "0" * 5000)
+    ),
     ("--vary", "drive.frequency=1,,2", 'drive.frequency = ""'),
     ("--vary", "drive.peak=1e-3 --vary drive.peak=2e-3", ["--vary", "there twice"]),
     ("--vary", "drive.frequency=1,2,1.0", "twice"),
     ("--vary", "drive.peak=1mT,2mT", "2.5 mT is 2.5e-3"),
-    ("--vary", "drive.frequency=5:5:3", "start:stop:count"),
-    ("--vary", "drive.frequency=5:6:1", "start:stop:count"),
-    ("--vary", "drive.frequency=5:200:1.5", "start:stop:count"),
-    ("--vary", "drive.frequency=5:200:-3", "start:stop:count"),
-    ("--vary", "drive.frequency=5:200:1" + "0" * 5000, "start:stop:count"),
     ("--vary", "drive.frequency=5:200:100000000", "10000000"),
-    ("--vary", "drive.frequency=5:200", "start:stop:count"),
     ("--vary", "drive.frequency=0:200:3:log", "start:stop:count:log with numbers above 0"),
     ("--vary", "drive.frequency=5:200:3:lin", "start:stop:count:log"),
     ("command", SWEEP + " --out a.csv --resume", ["--resume", "netCDF"]),
     ("command", "predict s.toml --figures mean_velocty", ["--figures", 'mean "mean_velocity"?']),
-    ("--vary", "drive.frequency=a:b:3", "start:stop:count"),
-    ("--vary", "drive.frequency=1:inf:3", "start:stop:count"),
     ("--vary", "drive.frequency=1:1e999999999999:3", "drive.frequency"),
     ("--vary", "drive.frequency=5:6:9999 --vary drive.hold=0:1:9999", "99980001 points"),
     ("--vary", "drive.file=a.csv,b.csv", "drive.file"),
@@ -131,6 +128,7 @@ REFUSALS = [
     ("command", "run", "SCENARIO"),
     ("command", "run s.toml other.toml", "other.toml"),
     ("command", "keys wxyz", ["wxyz", '"drive"', '"effects"']),
+    ("command", "keys oil", ["oil: no key", "drive.coils"]),
     ("command", "keys frequncy", 'did you mean "drive.frequency"?'),
     ("command", "effects surface_tlt", 'did you mean "surface_tilt"?'),
     ("command", "run s.toml --plot a.png --start 9", ["--start", "9.0", "1.05 s"]),
@@ -168,7 +166,10 @@ REFUSALS = [
     ("command", f"{SWEEP} --threads 0", ["--threads", "0"]),
     ("command", f"{SWEEP} --dask nonsense", "--dask nonsense"),
     ("command", f"{SWEEP} --resume", ["--resume", "--out"]),
-    ("command", (f"{SWEEP} --out a.nc", {"a.nc": "other"}), "--resume"),
+    ("command", (f"{SWEEP} --out a.nc", {"a.nc": "other"}), ["--out: a.nc already", "--resume"]),
+    ("command", ("run s.toml --out a.csv", {"a.csv": "other"}), "--out: a.csv already exists"),
+    ("command", ("predict s.toml --uncertain u.toml --out a.csv", {**PRIOR, "a.csv": "other"}),
+     "--out: a.csv already exists"),
     ("command", f"{SWEEP} --out a.txt", ".nc, .nc4, .h5, .csv"),
     ("command", "predict s.toml", "--uncertain FILE"),
     ("command", ("predict s.toml --uncertain u.toml --set contact.adhesion=1e-7", PRIOR),
@@ -248,4 +249,10 @@ REFUSALS = [
     ("log", "--model m.py:steel --set inertia=1", "--set: m.py says what is known"),
     ("log", "--model wrong.py:b", "wrong.py: line 2: ZeroDivisionError"),
     ("command", "init --model jiont", ["--model", "jiont", "joint"]),
+    *(
+        ("command", f"{name} {option.opts[0]} 1 {option.opts[-1]} 1", "is there twice")
+        for name in COMMANDS
+        for option in loaded(name).params
+        if option.opts[0].startswith("-") and not (option.is_flag or option.multiple)
+    ),
 ]  # fmt: skip

@@ -323,6 +323,14 @@ REFUSALS = [
     ("class", ("Scenario", {"effects": {"surface_tlt": {}}}), 'did you mean "surface_tilt"?'),
     ("class", ("Scenario", {"effects": {"surface_tilt": 3}}), "effects.surface_tilt = 3"),
     ("class", ("Scenario", {"effects": []}), "effects = []"),
+    ("class", ("Scenario", {"contcat": 1}), ["Scenario: contcat = 1", 'did you mean "contact"?']),
+    *(
+        ("class", (name, {"foo": 1}), [f"{name}: foo = 1: there is no such argument", known])
+        for name, known in {
+            "Scenario": '"drive"', "Law": '"over"', "EffectParameter": '"low"', "Forces": '"rows"',
+            "JointPrior": '"priors"', "Waveform": '"blocks"', "Accelerations": '"rows"',
+        }.items()
+    ),
     ("class", ("Prior", {"kind": "gaussian"}), ["kind of a prior", "normal"]),
     ("class", ("Prior", {"kind": "normal", "first": 1.0, "second": 0.0}), "sd = 0.0"),
     ("pulses", "OPP", 'mode = "OPP": allowed is none, as the voltages are those of IPP'),

@@ -156,6 +156,12 @@ REFUSALS = [
        ["threads"]) for n in (0, -1, 1.5, True)),
     ("record for memory", lambda _: simulate(RECORDED.replace({"record.rate": 1e9})), ScenarioError,
      ["record.rate = 1000000000.0", "10000000 samples in memory", "--out"]),
+    *(
+        ("field of no record", recorded(file, **{"record.fields": f"x,{name}"}), ScenarioError,
+         [f'record.fields = "x, {name}": allowed is {name} only', words])
+        for file in ("run.nc", "run.csv")
+        for name, words in {"event": "events", "heading": "turns", "inner_place": "mass"}.items()
+    ),
     ("no record for a file", recorded("run.nc", **{"record.rate": "none"}), ScenarioError,
      ['record.rate = "none"', "allowed with out"]),
     ("suffix before all else", recorded("run.txt", **{"record.rate": "none"}), ValueError,

@@ -46,7 +46,18 @@ class LazyCommand(click.Command):
         name = str(self.name)
         if not extra.get("resilient_parsing") and not {*_HELP} & {*args}:
             check_extras(f"stickslip {name}", name)
+            _check_once(loaded(name), args)
         return loaded(name).make_context(info_name, args, parent, **extra)
+
+
+def _check_once(command: click.Command, args: Sequence[str]) -> None:
+    """Refuse an option that is there twice and has one value, of which the last would count."""
+    context = click.Context(command)
+    _, _, order = command.make_parser(context).parse_args([*args])
+    for number, one in enumerate(order):
+        single = isinstance(one, click.Option) and not (one.multiple or one.is_flag)
+        if single and one in order[:number]:
+            raise click.BadParameter("is there twice: allowed is one", context, one)
 
 
 @click.group(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 
 import click
@@ -19,14 +20,22 @@ FILES = {held.section: f"{held.about}; relative to the scenario" for held in OBJ
 
 _OTHERS = {
     **{key: FILES[held.section] for key, held in PATHS.items()},
-    "coil.field_per_ampere, coil.radius, coil.rise_time": "coils as they are measured, in place of "
-    "turns: field_per_ampere (T/A), distance, side or radius, resistance, inductance or rise_time "
-    "(s); in Python Coil.of",
-    "robot.material, robot.density": 'material = "NdFeB N42", or density (kg/m^3), in place of '
-    "mass, beside length, width and height; in Python Robot.of",
+    **dict.fromkeys(
+        ("coil.field_per_ampere", "coil.radius", "coil.rise_time"),
+        "coils as they are measured, in place of turns: field_per_ampere (T/A), distance, side or "
+        "radius, resistance, inductance or rise_time (s); in Python Coil.of",
+    ),
+    **dict.fromkeys(
+        ("robot.material", "robot.density"),
+        'material = "NdFeB N42", or density (kg/m^3), in place of mass, beside length, width and '
+        "height; in Python Robot.of",
+    ),
     **{f"[{section}]": about for section, about in SECTIONS_BESIDE.items()},
-    "[[velocity]], [[tracking]], [[angle]], [[field]]": "sections of a measurement file, which "
-    '"stickslip diagnose TABLE.csv" prints for the columns of a table',
+    **dict.fromkeys(
+        ("[[velocity]]", "[[tracking]]", "[[angle]]", "[[field]]"),
+        'sections of a measurement file, which "stickslip diagnose TABLE.csv" prints for the '
+        "columns of a table",
+    ),
 }
 """Words of files that are no keys of a scenario."""
 
@@ -36,8 +45,8 @@ _OTHERS = {
     help="""List all keys of a scenario, and other words of files, or those that have a WORD in
     their name.
 
-    WORD is any part of a name, such as drive, friction or drive.frequency; where no name has it,
-    meanings are searched.
+    WORD is a word of names or their beginning, such as drive, frict or drive.frequency; where no
+    name has it, meanings are searched.
 
     Each is printed with its unit, default, range and meaning. A key is set by its
     section in a scenario, by --set SECTION.KEY=VALUE, or varied by --vary.
@@ -62,15 +71,25 @@ def command(word: str, as_json: bool) -> None:
     for section in dict.fromkeys(key.section for key in keys):
         lines = [_line(key) for key in keys if key.section == section]
         blocks.append("\n".join([f"[{section}]", *lines]))
-    blocks += [f"{name}\n{indented(about)}" for name, about in others.items()]
+    for about in dict.fromkeys(others.values()):
+        alike = ", ".join(name for name, text in others.items() if text == about)
+        blocks.append(f"{alike}\n{indented(about)}")
     click.echo("\n\n".join(blocks))
 
 
 def having(word: str, meanings: dict[str, str]) -> list[str]:
-    """The names that have a word, in whatever case, or else those whose meanings have it."""
-    word = word.casefold()
-    names = [name for name in meanings if word in name.casefold()]
-    return names or [name for name, text in meanings.items() if word in text.casefold()]
+    """The names that have a word, in whatever case and number, or else those whose meanings do.
+
+    Where no word is the whole one, those that begin so count: "oil" is no part of "coil".
+    """
+    if not word:
+        return list(meanings)
+    for texts in ({name: name for name in meanings}, meanings):
+        for end in (r"s?(?![^\W_])", ""):
+            has = re.compile(rf"(?<![^\W_]){re.escape(word)}{end}", re.IGNORECASE)
+            if names := [name for name, text in texts.items() if has.search(text)]:
+                return names
+    return []
 
 
 def as_dict(key: Key) -> dict[str, object]:

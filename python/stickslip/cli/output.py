@@ -16,7 +16,7 @@ from stickslip._util.text import json_text, printable
 from stickslip.errors import ScenarioError, prefixed
 
 MOST_ROWS = 50
-"""Points that are printed. Chosen: about one page; a longer table is in the file alone."""
+"""Points that are printed. Chosen: about one page; of a longer table the ends of each column."""
 
 PATIENCE = 2.0
 """Time that passes without a bar, s. Chosen: a shorter wait needs no explanation."""
@@ -43,19 +43,32 @@ def print_rows(rows: Iterable[tuple[str, object]]) -> None:
 
 
 def print_points(columns: Mapping[Any, Sequence[Any]]) -> None:
-    """Print columns with a row for each point, if these are few; a name is a tuple of lines."""
+    """Print columns with a row for each point, or the ends of the numbers where these are many.
+
+    A name is a tuple of lines.
+    """
     import pandas
 
     table = pandas.DataFrame(columns)
-    if 0 < len(table) <= MOST_ROWS:
-        shown = table.to_string(index=False, sparsify=False, float_format="%.6g")
+    if is_long := len(table) > MOST_ROWS:
+        table = table.select_dtypes("number").agg(["min", "max"]).set_axis(["from", "to"])
+    if not table.empty:
+        shown = table.to_string(index=is_long, sparsify=False, float_format="%.6g")
         click.echo(f"{shown}\n")
 
 
-def check_files(read: Iterable[Path], /, **written: tuple[Path | None, tuple[str, ...]]) -> None:
+def check_files(
+    read: Iterable[Path],
+    /,
+    *,
+    resumed: bool = False,
+    hint: str = "",
+    **written: tuple[Path | None, tuple[str, ...]],
+) -> None:
     """Refuse, before the work, files of options that cannot be written, or are another's.
 
-    `written` has the path and the suffixes of each option; () are those of a picture.
+    `written` has the path and the suffixes of each option; () are those of a picture. A file of
+    results that is there, `out`, is refused too with the `hint`, unless it is `resumed`.
     """
     taken = {path.resolve(): "is read, and would be overwritten" for path in read}
     for name, (path, suffixes) in written.items():
@@ -69,17 +82,24 @@ def check_files(read: Iterable[Path], /, **written: tuple[Path | None, tuple[str
         with prefixed(f"--{name}", ValueError):
             check_suffix(path, suffixes) if suffixes else stickslip.plot.check_format(path)
         taken[target] = f"is that of --{name} too"
+        if name == "out" and not resumed:
+            with prefixed("--out"):
+                _check_new(path, hint)
 
 
 def write_new(name: str, path: Path, text: str) -> None:
     """Write a text to a path that is not there; `name` is that of the argument in errors."""
-    if path.is_file() or path.is_symlink():
-        raise ScenarioError(f"{path} already exists: choose another name, or remove it")
+    _check_new(path)
     with prefixed(name, OSError):
         check_writable(path)
     with replacing(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
     say(f"wrote {path}")
+
+
+def _check_new(path: Path, hint: str = "") -> None:
+    if path.is_file() or path.is_symlink():
+        raise ScenarioError(f"{path} already exists: choose another name, or remove it{hint}")
 
 
 def drawn(option: str, path: Path | None, draw: Callable[[Path], object]) -> bool:

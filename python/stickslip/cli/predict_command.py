@@ -71,7 +71,7 @@ def _figures(ctx: click.Context, param: click.Parameter, text: str | None) -> li
     callback=_figures,
     metavar="NAME,NAME",
     help="Numbers of the summary that are printed and written, such as mean_velocity,field_max; "
-    "default: all, of which velocity and flight are printed.",
+    "default: all, of which velocity, flight and a pull_share that is asked for are printed.",
 )
 @options.JSON
 def command(
@@ -142,12 +142,13 @@ def _as_dict(data: xarray.Dataset) -> dict[str, Any]:
 
 
 def _print(data: xarray.Dataset, chosen: list[str]) -> None:
-    """The points, if they are few, counts, and the precision of the quantiles."""
+    """The points, counts, and the precision of the quantiles."""
     table = stickslip.sweep_dataframe(data)
     units = table.attrs["units"]
     figures = [name for name in chosen if name in data]
     if not chosen:
-        figures = [next(iter(shown_velocities(data))), "airborne_fraction"]
+        asked = [name for name in ASKED if name in data]
+        figures = [next(iter(shown_velocities(data))), "airborne_fraction", *asked]
     names = [f"{name}_q{100.0 * level:g}" for name in figures for level in data["quantile"].values]
     shown = [*map(str, data["failed"].coords), *names, "failed"]
     output.print_points({(name, units[name] or "-"): table[name] for name in shown})

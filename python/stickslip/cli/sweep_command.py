@@ -92,10 +92,8 @@ def command(
     if dask is not None and threads is not None:
         raise click.UsageError("--threads: not allowed with --dask, whose workers are all used")
     loaded, read = load_with(scenario, set)
-    output.check_files(read, out=(out, SUFFIXES), plot=(plot, ()))
-    if out is not None and out.exists() and not resume:
-        more = "" if as_csv else ", or go on with it by --resume"
-        raise ScenarioError(f"--out: {out} already exists; choose another name{more}")
+    hint = "" if as_csv else ", or go on with it by --resume"
+    output.check_files(read, resumed=resume, hint=hint, out=(out, SUFFIXES), plot=(plot, ()))
     if plot is not None:
         options.check_drawable(vary, 2)
     count = math.prod(map(len, vary.values()))
@@ -178,7 +176,7 @@ def _extremes(data: xarray.Dataset, table: DataFrame) -> dict[str, dict[str, Any
 
 
 def _print(data: xarray.Dataset, table: DataFrame) -> None:
-    """The points, if they are few, counts and extremes."""
+    """The points, counts and extremes."""
     velocities, keys, units = shown_velocities(data), _keys(data), table.attrs["units"]
     names = [*keys, "status", *velocities, *_SHOWN, *(name for name in ASKED if name in data)]
     output.print_points({(name, units[name] or "-"): table[name] for name in names})

@@ -14,7 +14,7 @@ from stickslip._util.arrays import Array, worker_count
 from stickslip._util.messages import check_kind, check_whole
 from stickslip.design.goal import DRAGGED, WALKING, Goal, best_first, made_goal
 from stickslip.design.optimum import ABOUT, COMPARED, Optimum, SearchInterrupted
-from stickslip.design.sawtooth import POINTS, sawtooths
+from stickslip.design.sawtooth import POINTS, NoSawtooth, sawtooths
 from stickslip.design.search import search
 from stickslip.design.space import WAY, Space, Values, made_space
 from stickslip.errors import ScenarioError
@@ -200,6 +200,8 @@ class _Design:
         self.sawtooth: Values | None = None
         self.landscape: list[dict[str, Any]] = []
         self.origin, self.moves, self.runs, self.other_way = "search", 0, 0, 0.0
+        self.no_sawtooth = "it was interrupted"
+        self.ended, self.agreeing = 0, 0
 
     def search(self, evaluations: int, seed: int) -> pd.DataFrame:
         """The leaders within the limits: rows of a table in the draws of the search."""
@@ -236,7 +238,11 @@ class _Design:
                 + ", ".join(goal.passed(nearest))
             )
         # The best are so by luck, in part; the centres are less.
-        leading = [*order[:LEADERS], *range(len(table) - centres, len(table))]
+        ends = range(len(table) - centres, len(table))
+        leading, within = [*order[:LEADERS], *ends], table.loc[ends].query("exceeding == 0")
+        lost = np.abs(within["score"] - self.best["score"])
+        self.ended = centres
+        self.agreeing = int((lost <= RISE * abs(self.best["score"])).sum())
         leaders = pd.concat([table.loc[leading], *self._turned(table)], ignore_index=True)
         return leaders.query("exceeding == 0")
 
@@ -260,9 +266,12 @@ class _Design:
         """Choose among the leaders in draws of their own, and judge the best in others."""
         self.best = self._chosen(leaders)
         drives: dict[str, Values] = {"start": {}, "best": self.best["values"]}
-        sawtooth = self._best_sawtooth()
-        if sawtooth is not None:
+        sawtooth = None
+        try:
+            sawtooth = self._best_sawtooth()
             self.sawtooth, drives["sawtooth"] = sawtooth["sawtooth"], sawtooth["values"]
+        except NoSawtooth as reason:
+            self.no_sawtooth = str(reason)
         numbers = self._judge(list(drives.values()), self._fresh, "fresh draws")
         self.compared = dict(zip(drives, numbers, strict=True))
         best = self.compared["best"]
@@ -309,11 +318,14 @@ class _Design:
             search=self.best.drop(["values", "sawtooth"], errors="ignore"),
             values=dict(self.best["values"]),
             sawtooth=None if self.sawtooth is None else dict(self.sawtooth),
+            no_sawtooth=self.no_sawtooth if self.sawtooth is None else "",
             landscape=pd.DataFrame(self.landscape),
             goal=self._goal,
             other_way=self.other_way,
             origin=self.origin,
             moves=self.moves,
+            ended=self.ended,
+            agreeing=self.agreeing,
             runs=self.runs,
             seed=seed,
             interrupted=interrupted,
@@ -349,8 +361,8 @@ class _Design:
         """The table of drives in the draws of the search, with their values."""
         return self._goal.table(self._judge(drives, self._searching, stage)).assign(values=drives)
 
-    def _best_sawtooth(self) -> pd.Series[Any] | None:
-        """None where there is none to compare with, or none satisfies the limits."""
+    def _best_sawtooth(self) -> pd.Series[Any]:
+        """Raises NoSawtooth where there is none to compare with, or none satisfies the limits."""
         space, goal, draws = self._space, self._goal, self._searching
 
         def probe(drives: Sequence[Values], draw: int) -> Array:
@@ -358,15 +370,15 @@ class _Design:
 
         of_start = self._judge([{}], draws, "sawtooths")[0]
         shapes = sawtooths(space, goal, of_start, probe)
-        if not shapes:
-            return None
         free = space.values(0, *space.starts()[0])
         drives = (
             shapes if space.knots else [{k: one.get(k, free[k]) for k in free} for one in shapes]
         )
         table = self._judged(drives, "sawtooths").assign(sawtooth=shapes)
         leaders = table.loc[best_first(goal.keys(table))[:LEADERS]].query("exceeding == 0")
-        return None if leaders.empty else self._chosen(leaders)
+        if leaders.empty:
+            raise NoSawtooth("none of the grid is within the limits in every draw")
+        return self._chosen(leaders)
 
     def _chosen(self, leaders: pd.DataFrame) -> pd.Series[Any]:
         numbers = self._judge(list(leaders["values"]), self._choosing, "choosing")

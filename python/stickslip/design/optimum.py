@@ -106,6 +106,8 @@ class Optimum(OneLine):
         beside a free waveform all its keys.
     sawtooth : dict or None
         The best sawtooth by its keys; None where none is within the limits, or the drive is none.
+    no_sawtooth : str
+        Why there is none; "" where there is one.
     landscape : pandas.DataFrame
         A row for each free number: name, unit, best, kind ("at a limit", "peak", "plateau"),
         loss (part of the score that is lost nearby), at_end ("low", "high" or ""), and lists of
@@ -118,6 +120,8 @@ class Optimum(OneLine):
         Whose drive is the best.
     moves : int
         Moves to better neighbours.
+    ended, agreeing : int
+        Starts of the search whose ends were compared, and those within 1 % of the best score.
     runs, seed : int
         Simulations of the search, and the seed of all draws.
     interrupted : bool
@@ -133,11 +137,14 @@ class Optimum(OneLine):
     search: pd.Series[Any]
     values: dict[str, Value]
     sawtooth: dict[str, Value] | None
+    no_sawtooth: str
     landscape: pd.DataFrame
     goal: Goal
     other_way: float
     origin: str
     moves: int
+    ended: int
+    agreeing: int
     runs: int
     seed: int
     interrupted: bool
@@ -196,7 +203,7 @@ class Optimum(OneLine):
             *shown.to_string(float_format="{:.6g}".format).splitlines(),
             *["; ".join(f"{name}: {COMPARED[name]}" for name in self.table.index)]
             * (not self.table.empty),
-            *[f"no sawtooth to compare with: {self._no_sawtooth}"] * (self.sawtooth is None),
+            *[f"no sawtooth to compare with: {self.no_sawtooth}"] * (self.sawtooth is None),
             *["the best sawtooth is better than the search"] * (self.origin == "sawtooth"),
             *[f"better neighbours that were taken: {self.moves}"] * (self.moves > 0),
             *self._other_way_lines,
@@ -215,6 +222,11 @@ class Optimum(OneLine):
                 many = kind != "peak" and len(names) > _FEW  # they ask for no care
                 text = f"{len(names)} numbers" if many else ", ".join(names)
                 lines.append(f"  {'on a ' * (kind != 'at a limit')}{kind}: {text}")
+        if self.ended and self.agreeing < 2:  # no other start confirms it
+            lines.append(
+                f"{self.agreeing} of {self.ended} starts of the search ended within 1 % of the "
+                "best: another --seed may find a better drive"
+            )
         lines.append(f"{self.runs} runs of the search, seed {self.seed}, {self.seconds:.0f} s")
         return "\n".join(lines)
 
@@ -222,20 +234,6 @@ class Optimum(OneLine):
     def _is_backward(self) -> bool:
         directed = self.run.scenario.drive.kind != "program"
         return directed and self.goal.figure in FROM_AXES and bool(self.run.velocity[0] < 0.0)
-
-    @property
-    def _no_sawtooth(self) -> str:
-        """Why there is none."""
-        drive = self.start.drive
-        if drive.kind != "sawtooth":
-            return f'drive.mode = "{drive.mode}"'
-        coils = {name.partition(" ")[0] for name in self.values if " " in name}
-        driven = np.flatnonzero(drive_waveform(self.start).voltages([drive.ramp])[0])
-        left_out = [COIL_NAMES[k] for k in driven if coils and COIL_NAMES[k] not in coils]
-        if left_out:
-            return f"it drives {', '.join(left_out)}, which --coils leaves out"
-        none = "none of the grid is within the limits in every draw"
-        return "it was interrupted" if self.interrupted else none
 
     @property
     def _other_way_lines(self) -> list[str]:
@@ -293,6 +291,7 @@ class Optimum(OneLine):
             "landscape": self.landscape.to_dict("records"),
             "draws": int(self.search["draws"]),
             **{name: getattr(self, name) for name in ("values", "origin", "moves", "sawtooth")},
+            **{name: getattr(self, name) for name in ("no_sawtooth", "ended", "agreeing")},
             "other_way": self.other_way,
             **{name: getattr(self, name) for name in ("runs", "seed", "interrupted", "seconds")},
         }

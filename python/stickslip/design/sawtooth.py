@@ -38,17 +38,22 @@ Probe = Callable[[Sequence[Values], int], Array]
 """From drives and the index of a draw to their numbers in it, (drives, 1 + bounds)."""
 
 
+class NoSawtooth(Exception):
+    """There is none to compare with, for the reason that it says."""
+
+
 def sawtooths(space: Space, goal: Goal, of_start: Array, probe: Probe) -> list[dict[str, Value]]:
     """The sawtooths of the grid and the start, each once, as near as what is free allows, by keys.
 
     Where the peak is free, limits on voltage, current, field and power decide how strong each is,
     by one run in the draw in which the start has most of them. `of_start` are its numbers, (draws,
-    1 + bounds). Without such limits all have the top of the free peaks, or the start's peak. None
-    are comparable with a drive of another kind, or drive a coil that a free waveform may not.
+    1 + bounds). Without such limits all have the top of the free peaks, or the start's peak. Raises
+    NoSawtooth beside a drive of another kind, or where they drive a coil that a free waveform may
+    not.
     """
     drive, ends = space.start.drive, space.ranges.get("drive.peak")
     if drive.kind != "sawtooth":
-        return []
+        raise NoSawtooth(f'drive.mode = "{drive.mode}"')
     top = ends[1] if ends and ends[1] > 0.0 else drive.peak
     shapes = [
         _scaled({"drive.peak": 1.0, **dict(zip(GRID, values, strict=True))}, top)
@@ -61,8 +66,9 @@ def sawtooths(space: Space, goal: Goal, of_start: Array, probe: Probe) -> list[d
     drives = _each_once(space, shapes, FIELDS if growing else ())
     if space.knots:
         asked = drive_waveform(space.start.replace(drives[0])).voltages([drive.ramp])[0]
-        if not {COIL_NAMES[k] for k in np.flatnonzero(asked)} <= set(space.coils):
-            return []
+        driven = [COIL_NAMES[k] for k in np.flatnonzero(asked)]
+        if left_out := [coil for coil in driven if coil not in space.coils]:
+            raise NoSawtooth(f"it drives {', '.join(left_out)}, which --coils leaves out")
     if growing:
         of_draws = np.nan_to_num(of_start[:, list(growing.values())])
         relative = of_draws / np.maximum(of_draws.max(axis=0), np.finfo(float).tiny)

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 from stickslip import _core
 from stickslip._util.messages import refuse, shown, suggestion
 from stickslip.errors import ScenarioError
+from stickslip.scenario.arguments import known_arguments
 from stickslip.scenario.keys import PREFIX, Key, keys_of, known_keys, until_registration
 
 UNSTATED = "not stated; registered by the user"
@@ -135,6 +136,7 @@ class EffectState(NamedTuple):
     Bz: float
 
 
+@known_arguments
 @dataclass(frozen=True, kw_only=True)
 class EffectParameter:
     """One parameter of an effect of the user's own.

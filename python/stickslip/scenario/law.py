@@ -10,6 +10,7 @@ from stickslip import _core
 from stickslip._util.messages import as_list, refuse, suggestion
 from stickslip._util.text import is_number
 from stickslip.errors import ScenarioError
+from stickslip.scenario.arguments import known_arguments
 from stickslip.scenario.keys import LAWS, Value, find_key, set_value
 
 _KNOTS = 5
@@ -17,6 +18,7 @@ _KNOTS = 5
 _TABLES = "a table [laws.NAME] for each law"
 
 
+@known_arguments
 @dataclass(frozen=True, kw_only=True)
 class Law:
     """How a quantity of the contact or the fluid depends on the motion.

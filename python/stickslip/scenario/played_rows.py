@@ -15,6 +15,7 @@ from stickslip._util.arrays import Array, in_columns
 from stickslip._util.columns import read_table
 from stickslip._util.recipes import Recipe
 from stickslip.errors import prefixed
+from stickslip.scenario.arguments import known_arguments
 
 _P = TypeVar("_P", bound="PlayedRows")
 
@@ -85,6 +86,7 @@ class PlayedRows:
         return f"<{type(self).__name__}: {len(self.rows)} rows, period {self.period:g} s>"
 
 
+@known_arguments
 class Accelerations(PlayedRows):
     """Accelerations of a shaken surface over one period, linear between rows.
 
@@ -116,6 +118,7 @@ class Accelerations(PlayedRows):
         self.mean = along, up
 
 
+@known_arguments
 class Forces(PlayedRows):
     """Forces on the inner mass over one period, linear between rows.
 

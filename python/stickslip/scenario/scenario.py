@@ -21,6 +21,7 @@ from stickslip._util.messages import check_kind, check_whole
 from stickslip._util.toml import parse_toml
 from stickslip._util.units import handy
 from stickslip.errors import ScenarioError, prefixed
+from stickslip.scenario.arguments import known_arguments
 from stickslip.scenario.changes import Changes
 from stickslip.scenario.effects import flat_effects
 from stickslip.scenario.held import OBJECTS
@@ -85,6 +86,7 @@ class _View(Generic[_S]):
         return self._kind.view(scenario._core, scenario._held)
 
 
+@known_arguments
 class Scenario:
     """All inputs of a run. SI units and radians throughout.
 

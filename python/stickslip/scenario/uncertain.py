@@ -12,6 +12,7 @@ from stickslip._util.arrays import Array, numbers
 from stickslip._util.messages import shown
 from stickslip._util.prior import Prior
 from stickslip.errors import ScenarioError, prefixed
+from stickslip.scenario.arguments import known_arguments
 from stickslip.scenario.keys import COIL_MAP, GEOMETRY, checked, find_key, full_name, known_keys
 
 _FORMS = "{ mean, sd }, { median, factor }, { min, max } (uniform) or { low, high } (log-uniform)"
@@ -37,6 +38,7 @@ COVARIANCE = "covariance"
 _ROUNDING = 1e-9
 
 
+@known_arguments
 @dataclass(frozen=True)
 class JointPrior:
     """Priors of a scenario's uncertain parameters, in a file its section ``[uncertain]``.

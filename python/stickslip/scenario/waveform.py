@@ -22,6 +22,7 @@ from stickslip._util.messages import check_above_zero, check_whole, refuse
 from stickslip._util.recipes import Recipe
 from stickslip._util.text import highest, is_number
 from stickslip.errors import ScenarioError
+from stickslip.scenario.arguments import known_arguments
 from stickslip.scenario.keys import COIL_NAMES
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import Coil, Drive
@@ -54,6 +55,7 @@ def drive_waveform(scenario: Scenario) -> Waveform:
     return Waveform._of(scenario.to_core().program())
 
 
+@known_arguments
 class Waveform:
     """Piecewise-linear voltages of the five coils: blocks of points, each played some times.
 

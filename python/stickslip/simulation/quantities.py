@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from stickslip import _core
+from stickslip._util.messages import refuse
 
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
@@ -41,14 +42,28 @@ def recorded_names(scenario: Scenario) -> tuple[str, ...]:
     record = scenario.record
     if record.rate == "none":
         return ()
-    left_out = set() if record.rate == "events" else {"event"}
-    if not scenario.whole_plane:
-        left_out |= {*PLANE_COLUMNS}
-    if scenario.inner.mass == 0.0:
-        left_out |= {*INNER_COLUMNS}
+    left_out = {*_absent(scenario)}
     if record.fields != "all":
-        left_out |= {*COLUMNS} - {"t", *str(record.fields).split(", ")}
+        left_out |= {*COLUMNS} - {"t", *record.fields.split(", ")}
     return tuple(name for name in COLUMNS if name not in left_out)
+
+
+def check_fields(scenario: Scenario) -> None:
+    """Refuse a quantity that is asked for by its name, and that the record cannot have."""
+    record, absent = scenario.record, _absent(scenario)
+    for name in record.fields.split(", ") if record.rate != "none" else ():
+        if name in absent:
+            refuse("record.fields", record.fields, f"{name} only {absent[name]}")
+
+
+def _absent(scenario: Scenario) -> dict[str, str]:
+    """The quantities that no record of a scenario has, and what would have them."""
+    absent = {} if scenario.record.rate == "events" else {"event": 'with record.rate = "events"'}
+    if not scenario.whole_plane:
+        absent |= dict.fromkeys(PLANE_COLUMNS, "of a robot that something turns or pushes across")
+    if scenario.inner.mass == 0.0:
+        absent |= dict.fromkeys(INNER_COLUMNS, "of a robot with inner.mass above 0")
+    return absent
 
 
 def column_units(name: str) -> dict[str, str]:

@@ -16,7 +16,7 @@ from stickslip._util.messages import as_list, check_kind, refuse
 from stickslip._util.text import highest
 from stickslip.errors import ScenarioError
 from stickslip.scenario.scenario import Scenario
-from stickslip.simulation.quantities import recorded_names
+from stickslip.simulation.quantities import check_fields, recorded_names
 from stickslip.simulation.record_file import RecordFile, StoredRecord
 from stickslip.simulation.run import SUFFIXES, Run
 
@@ -116,7 +116,7 @@ def simulate(
         ``"x >= 3e-3"``, or another of time (s), x, y, z (m, of the centre of mass), theta (rad),
         revolutions (theta over 2 pi) or heading (rad; a robot that turns on to the left jumps from
         pi to -pi, which meets ``heading <= -1``) with ``>=`` or ``<=``. A planar run has no y and
-        no heading. See `Run.condition_met`.
+        no heading. See `Run.condition_met`, and `Run.final_state`, as the record may end earlier.
     out : path-like, optional
         Write the record to this file. A netCDF file (``.nc``, ``.nc4``, ``.h5``) grows while the
         run goes on, as NAME.part, with memory that does not, and gets its name at the end. What was
@@ -134,7 +134,7 @@ def simulate(
     ------
     ScenarioError
         If `scenario` is not a Scenario, or `until` no condition of its robot; if the record is too
-        long for memory, or there is none for `out`.
+        long for memory, lacks a quantity of `record.fields`, or there is none for `out`.
     OSError
         If `out` cannot be written, or there is no room for more of it, which ends the run.
     KeyboardInterrupt
@@ -165,6 +165,7 @@ def _simulated_into(
     out: str | PathLike[str], scenario: Scenario, progress: Progress | None, until: str | None
 ) -> Run:
     """See `simulate`, with a netCDF file."""
+    check_fields(scenario)
     condition = _parsed(until, [scenario])
     report = fraction_of(scenario.duration, progress)
     result = _core.RunResult()
@@ -217,8 +218,8 @@ def simulate_batch(
     Raises
     ------
     ScenarioError
-        If one of `scenarios` is not a Scenario, or its record too long for memory, or `until` no
-        condition.
+        If one of `scenarios` is not a Scenario, or its record too long for memory or without a
+        quantity of `record.fields`, or `until` no condition.
     ValueError
         If `threads` is not a whole number above zero.
     KeyboardInterrupt
@@ -227,6 +228,7 @@ def simulate_batch(
     scenarios = as_list("scenarios", scenarios, "a list of Scenarios")
     for index, scenario in enumerate(scenarios):
         check_kind(f"scenario {index}", scenario, Scenario)
+        check_fields(scenario)
         check_memory(scenario)
     threads = worker_count(threads, "threads")
     condition = _parsed(until, scenarios)
