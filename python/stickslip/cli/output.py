@@ -57,18 +57,10 @@ def print_points(columns: Mapping[Any, Sequence[Any]]) -> None:
         click.echo(f"{shown}\n")
 
 
-def check_files(
-    read: Iterable[Path],
-    /,
-    *,
-    resumed: bool = False,
-    hint: str = "",
-    **written: tuple[Path | None, tuple[str, ...]],
-) -> None:
+def check_files(read: Iterable[Path], /, **written: tuple[Path | None, tuple[str, ...]]) -> None:
     """Refuse, before the work, files of options that cannot be written, or are another's.
 
-    `written` has the path and the suffixes of each option; () are those of a picture. A file of
-    results that is there, `out`, is refused too with the `hint`, unless it is `resumed`.
+    `written` has the path and the suffixes of each option; () are those of a picture.
     """
     taken = {path.resolve(): "is read, and would be overwritten" for path in read}
     for name, (path, suffixes) in written.items():
@@ -82,24 +74,17 @@ def check_files(
         with prefixed(f"--{name}", ValueError):
             check_suffix(path, suffixes) if suffixes else stickslip.plot.check_format(path)
         taken[target] = f"is that of --{name} too"
-        if name == "out" and not resumed:
-            with prefixed("--out"):
-                _check_new(path, hint)
 
 
 def write_new(name: str, path: Path, text: str) -> None:
     """Write a text to a path that is not there; `name` is that of the argument in errors."""
-    _check_new(path)
+    if path.is_file() or path.is_symlink():
+        raise ScenarioError(f"{path} already exists: choose another name, or remove it")
     with prefixed(name, OSError):
         check_writable(path)
     with replacing(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
     say(f"wrote {path}")
-
-
-def _check_new(path: Path, hint: str = "") -> None:
-    if path.is_file() or path.is_symlink():
-        raise ScenarioError(f"{path} already exists: choose another name, or remove it{hint}")
 
 
 def drawn(option: str, path: Path | None, draw: Callable[[Path], object]) -> bool:

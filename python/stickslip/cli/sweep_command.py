@@ -92,8 +92,10 @@ def command(
     if dask is not None and threads is not None:
         raise click.UsageError("--threads: not allowed with --dask, whose workers are all used")
     loaded, read = load_with(scenario, set)
-    hint = "" if as_csv else ", or go on with it by --resume"
-    output.check_files(read, resumed=resume, hint=hint, out=(out, SUFFIXES), plot=(plot, ()))
+    output.check_files(read, out=(out, SUFFIXES), plot=(plot, ()))
+    if out is not None and out.exists() and not resume:
+        more = "" if as_csv else ", or go on with it by --resume"
+        raise ScenarioError(f"--out: {out} already exists; choose another name{more}")
     if plot is not None:
         options.check_drawable(vary, 2)
     count = math.prod(map(len, vary.values()))
