@@ -21,7 +21,7 @@ from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.entry import diagnose_model
 from stickslip.diagnosis.pipeline import run
 from stickslip.diagnosis.report.files import figures_of, page
-from stickslip.diagnosis.report.numbers import numbers_of
+from stickslip.diagnosis.report.numbers import numbers_of, summary_text
 from stickslip.diagnosis.report.sections import size
 from stickslip.diagnosis.report.sections.data import notes_of
 from stickslip.diagnosis.result import Diagnosis
@@ -94,6 +94,15 @@ def test_twins_end_in_what_to_do_where_one_is_known_to_be_absent(rough):
     assert line.endswith(
         "leave it out: a ready-made model does so with --set without=NAME, such as bump."
     )
+
+
+def test_constants_that_moved_or_had_a_range_are_in_the_text(rough, none):
+    for told in (rough, none):
+        numbers = numbers_of(told)
+        row = numbers["recalibrated"]["level"]
+        for pull, stated, shown in ((0.9, 1.0, False), (-1.1, 1.0, True), (0.1, None, True)):
+            row |= {"pull": pull, "pull_extended": pull, "stated": stated}
+            assert ("level = " in summary_text(numbers, told.problem.words)) == shown
 
 
 def words_of(value, names):
