@@ -20,7 +20,7 @@ from stickslip.diagnosis.terms import instruments
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import LARGEST_ERROR, Parameter
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.models.log import Columns
+from stickslip.models.log import Columns, is_near
 from stickslip.models.physics import Inputs
 
 Known = float | tuple[float, float] | Prior | Mapping[str, float]
@@ -37,9 +37,7 @@ _COARSE = 100
 noise of a dense log counts little there, and what is faster is rarely asked."""
 
 _LEAST = 1e-3  # of its middle: a constant above zero; chosen, a wrong unit
-_NEAR_READINGS, _FAR = 10.0, 100.0
-"""Up to so far from all readings, K, a temperature is likely, and beyond so far it is not. Chosen:
-wide, as what is refused has to be written otherwise."""
+_FAR = 100.0  # from all readings, K, beyond which no temperature is likely; chosen: wide
 _COARSE_STEP = 0.02  # of a lag, beyond which a step of the log is told beside it; chosen
 _ABOVE, _BELOW = 1.2, 0.1  # where limits act: of the largest input; chosen, as for `clipping`
 
@@ -315,7 +313,8 @@ class Model(OneLine):
             self._check_record(record)
             for name in record.inputs.keys() & self.known.keys():
                 raise ScenarioError(
-                    f"{record.at}{name} is an input, and stated too: allowed is one of these"
+                    f"{record.at}{name} is an input, and stated too: allowed is one of these; "
+                    f"state no {name}, or leave out the input (in a file, rename its column)"
                 )
             self._check_zeros(record)
         scales = self._scales(records)
@@ -331,10 +330,8 @@ class Model(OneLine):
                 uncertain.append(term.shape.ranged(scales))
         acting = set.intersection(*(set(record.inputs) for record in records))
         # A free start undoes a wrong zero of a place on which nothing depends.
-        first, placed = (
-            kind.states[0][0],
-            kind.placed & {*(cause.name for cause in causes), *self.known},
-        )
+        first = kind.states[0][0]
+        placed = kind.placed & {*(cause.name for cause in causes), *self.known}
         free = len(kind.states) > 1 and kind.reads[self.reads][1] == 0
         undone = free and not placed and first not in self.known
         held = bool(acting) and not self.smooth
@@ -427,9 +424,8 @@ class Model(OneLine):
 
     def _check_zeros(self, record: Series) -> None:
         """Refuse a temperature that only another zero brings near the readings, or none at all."""
-        least, most = float(record.y.min()), float(record.y.max())
         of = f"readings in {record.unit}" if unit_label(record.unit) else "readings"
-        seen = f"{of} are between {least:.4g} and {most:.4g}"
+        seen = f"{of} are between {record.y.min():.4g} and {record.y.max():.4g}"
         shift = zero_of("degC") if record.unit == "K" else -zero_of("degC")
         for term in self.kind.terms:
             if term.unit != "K":
@@ -439,7 +435,7 @@ class Model(OneLine):
                 stated = float(np.median(record.inputs[name]))
             elif value is not None:
                 stated = float(value.value(0.0)) if isinstance(value, Prior) else value
-            elif not least - _NEAR_READINGS <= 0.0 <= most + _NEAR_READINGS:
+            elif not is_near(record.y, 0.0):
                 raise ScenarioError(
                     f"{record.at}{name} is missing, and {seen}: allowed is {name} as a number or a "
                     "column, 0 where readings are counted from it"
@@ -447,8 +443,8 @@ class Model(OneLine):
             else:
                 continue
             likely = stated + shift
-            near = least - _NEAR_READINGS <= likely <= most + _NEAR_READINGS
-            if record.unit != "-" and near and not least - _FAR <= stated <= most + _FAR:
+            far = not is_near(record.y, stated, _FAR)
+            if record.unit != "-" and far and is_near(record.y, likely):
                 raise ScenarioError(
                     f"{record.at}{name} = {stated:g}: {likely:g} may be meant, as {seen}; allowed "
                     f"is {name} in {record.unit}, or a column that states its unit"
