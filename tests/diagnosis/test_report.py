@@ -105,6 +105,17 @@ def test_constants_that_moved_or_had_a_range_are_in_the_text(rough, none):
             assert ("level = " in summary_text(numbers, told.problem.words)) == shown
 
 
+def test_a_size_says_whether_its_interval_has_zero_and_a_constant_what_was_stated(rough):
+    numbers = {**numbers_of(rough), "origin": []}
+    row = numbers["parameters"]["bump.height"]
+    for low, stated in ((-0.1, None), (0.1, 7.0)):
+        row |= {"low": low, "stated": stated}
+        text = summary_text(numbers, rough.problem.words)
+        told = text, page(numbers, figures_of(rough), rough.problem.words)
+        assert all(("not told from 0" in each) == (low < 0.0) for each in told)
+        assert (" V, stated 7 V," in text) == (stated is not None)
+
+
 def words_of(value, names):
     """Names and words in a dictionary of numbers, wherever a key has one of the names."""
     if isinstance(value, list):
