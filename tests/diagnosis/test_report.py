@@ -81,10 +81,9 @@ def test_each_verdict_has_a_page_of_its_numbers(results, kind, tmp_path):
     assert "Verdict" in result._repr_html_()
     # Sizes of a set are of rivals: wherever they are told, so is that, and names beside words.
     told = [" ".join(each.split()) for each in (text, result.summary(), result._repr_html_())]
-    assert [each.count("own model is right") for each in told] == (
-        [2, 1, 1] if kind == "ambiguous" else [0, 0, 0]
-    )
-    assert ("bump + kink (a bump in the middle and" in told[1]) == (kind == "ambiguous")
+    is_set = kind == "ambiguous"
+    assert [each.count("own model is right") for each in told] == [2 * is_set, is_set, is_set]
+    assert ("bump + kink (a bump in the middle and" in told[1]) == is_set
 
 
 def test_twins_end_in_what_to_do_where_one_is_known_to_be_absent(rough):
