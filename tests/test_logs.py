@@ -265,6 +265,10 @@ def test_a_heater_needs_the_temperature_of_the_ambient():
     assert HEATER.terms(Series(T, 40.0 * T / T[-1], {"power": T}, unit="K"))[1]
     with pytest.raises(ScenarioError, match="ambient is missing, and readings in degC are between"):
         HEATER.terms(Series(T, 20.0 + T, {"power": T}, unit="degC"))
+    # What its log says agrees: nothing is taken that is then asked for.
+    for far in (0.0, 20.0):
+        log = models.read_log({"t (s)": T, "body (degC)": far + T, "power (W)": T}, HEATER)
+        assert any(each.code == "no-input" for each in log.own_notes) == (far == 0.0)
     with pytest.raises(ScenarioError, match="ambient is missing, and readings are between -27"):
         HEATER.terms(Series(T, -25.0 - T, {"power": T}))
     kelvins = {"power": T, "ambient": 293.0 + 0.0 * T}
@@ -324,7 +328,7 @@ def test_temperatures_of_a_log_have_the_zero_of_its_readings(tmp_path, body, amb
     assert converted == (
         [] if first == 20.0 else [f"ambient is converted from {ambient} to {body}."]
     )
-    with pytest.raises(ScenarioError, match="ambient is an input, and stated too"):
+    with pytest.raises(ScenarioError, match="state no ambient, or leave out the input"):
         models.thermal(capacity=1.0, loss=1.0, ambient=20.0).terms(log)
 
 

@@ -21,7 +21,7 @@ from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.entry import diagnose_model
 from stickslip.diagnosis.pipeline import run
 from stickslip.diagnosis.report.files import figures_of, page
-from stickslip.diagnosis.report.numbers import numbers_of
+from stickslip.diagnosis.report.numbers import numbers_of, summary_text
 from stickslip.diagnosis.report.sections import size
 from stickslip.diagnosis.report.sections.data import notes_of
 from stickslip.diagnosis.result import Diagnosis
@@ -79,6 +79,11 @@ def test_each_verdict_has_a_page_of_its_numbers(results, kind, tmp_path):
     assert not re.search(r"\b(None|nan|inf|Undefined|Namespace|Decimal)\b|[{}]", text)
     assert numbers["headline"] == result.summary().split("\n")[0]
     assert "Verdict" in result._repr_html_()
+    # Sizes of a set are of rivals: wherever they are told, so is that, and names beside words.
+    told = [" ".join(each.split()) for each in (text, result.summary(), result._repr_html_())]
+    is_set = kind == "ambiguous"
+    assert [each.count("own model is right") for each in told] == [2 * is_set, is_set, is_set]
+    assert ("bump + kink (a bump in the middle and" in told[1]) == is_set
 
 
 def test_twins_end_in_what_to_do_where_one_is_known_to_be_absent(rough):
@@ -88,6 +93,26 @@ def test_twins_end_in_what_to_do_where_one_is_known_to_be_absent(rough):
     assert line.endswith(
         "leave it out: a ready-made model does so with --set without=NAME, such as bump."
     )
+
+
+def test_constants_that_moved_or_had_a_range_are_in_the_text(rough, none):
+    for told in (rough, none):
+        numbers = numbers_of(told)
+        row = numbers["recalibrated"]["level"]
+        for pull, stated, shown in ((0.9, 1.0, False), (-1.1, 1.0, True), (0.1, None, True)):
+            row |= {"pull": pull, "pull_extended": pull, "stated": stated}
+            assert ("level = " in summary_text(numbers, told.problem.words)) == shown
+
+
+def test_a_size_says_whether_its_interval_has_zero_and_a_constant_what_was_stated(rough):
+    numbers = {**numbers_of(rough), "origin": []}
+    row = numbers["parameters"]["bump.height"]
+    for low, stated in ((-0.1, None), (0.1, 7.0)):
+        row |= {"low": low, "stated": stated}
+        text = summary_text(numbers, rough.problem.words)
+        told = text, page(numbers, figures_of(rough), rough.problem.words)
+        assert all(("not told from 0" in each) == (low < 0.0) for each in told)
+        assert (" V, stated 7 V," in text) == (stated is not None)
 
 
 def words_of(value, names):

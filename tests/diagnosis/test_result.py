@@ -97,6 +97,13 @@ def test_models_are_separated_where_they_differ(rough, none):
     assert rivals
     assert min(rivals) >= 1e-3 * max(rivals)
     assert none.separate([0.5]) is None
+    # Of a set each member, also one that is last and hardly probable.
+    members = rough.chance.fits
+    assert len(members) > 4
+    assert chance[members[-1].name] < 1e-3 * chance[members[1].name]
+    whole = made.said(rough, "ambiguous", members=members).separate([0.2, 0.5])
+    assert {*whole.columns} >= {fit.name for fit in members}
+    assert np.all(whole["least"] < whole["separation"])
 
 
 def test_upper_limits_are_those_of_linear_least_squares(none):

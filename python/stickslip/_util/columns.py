@@ -157,9 +157,8 @@ class SourceTable:
     @property
     def others(self) -> list[str]:
         """Headings of the columns that are information only."""
-        valid = self.validity
-        return [column.what.heading for column in self.columns.values()
-                if not column.what.known and column not in valid]  # fmt: skip
+        return [column.what.heading for name, column in self.columns.items()
+                if plain(name) not in VALID and not column.what.known]  # fmt: skip
 
     def at(self, rows: Sequence[int]) -> str:
         """``velocity.csv line 3``, or the first of several lines."""
@@ -385,6 +384,16 @@ class _Part:
         self.values.append(values)
         self.count += len(values)
 
+    def take_array(self, values: Any) -> None:
+        """Read an array: texts one by one, as those of a file, or numbers."""
+        cells, heading = list(values), f"column {self.what.heading}"
+        if self.what.si is None or any(isinstance(cell, str) for cell in cells):
+            self.take([_cell(value) for value in cells])
+            return
+        if states_unit(values):  # dates and durations are in s, whatever the heading says
+            self.what = self.what._replace(unit="s", per=1.0)
+        self.take_numbers(numbers(heading, values, gaps=True, finite=False), cells)
+
     def column(self, recipe: Recipe) -> Column:
         """The whole of it, in SI and without what stands for no value."""
         values, odd = np.concatenate(self.values), self.odd
@@ -441,20 +450,12 @@ def _of_arrays(source: Source, recipe: Recipe) -> SourceTable:
     arrays = source.arrays
     matches = recipe.matched(list(arrays))
     recipe.check(matches)
-    count = len(next(iter(arrays.values())))
-    columns = {}
+    count, columns = len(next(iter(arrays.values()))), dict[str, Column]()
     for values, what in zip(arrays.values(), matches, strict=True):
         if len(values) != count:
             raise ScenarioError(f"column {what.heading}: {len(values)} values; allowed are {count}")
-        part, cells = _Part(what), list(values)
-        if what.si is None or any(isinstance(cell, str) for cell in cells):
-            # Texts are checked one by one, as those of a file.
-            part.take([_cell(value) for value in cells])
-        else:
-            if states_unit(values):  # dates and durations are in s, whatever the heading says
-                part.what = what._replace(unit="s", per=1.0)
-            made = numbers(f"column {what.heading}", values, gaps=True, finite=False)
-            part.take_numbers(made, cells)
+        part = _Part(what)
+        part.take_array(values)
         columns[what.name] = part.column(recipe)
     lines = index_labels(source.given) or list(range(count))
     return SourceTable(source.path, source.path.name, columns, lines, word="row")

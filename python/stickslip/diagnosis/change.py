@@ -230,11 +230,9 @@ def _differences(
 def _words(predict: Predict, constants: Sequence[Parameter]) -> Vocabulary:
     """Constants by the meanings that a model gives them, or else by their names."""
     terms = getattr(getattr(predict, "kind", None), "every", {})
-    names = {name: terms[name].meaning if name in terms else f"`{name}`"
-             for name in (one.name for one in constants)}  # fmt: skip
-    units = {one.name: unit_label(one.unit) for one in constants}
-    rows = {name: {"name": names[name], "unit": unit} for name, unit in units.items()}
-    return Vocabulary(constants=rows, units=dict.fromkeys(units.values(), 1.0))
+    rows = {one.name: {"name": terms[one.name].meaning if one.name in terms else f"`{one.name}`",
+                       "unit": unit_label(one.unit)} for one in constants}  # fmt: skip
+    return Vocabulary(constants=rows, units={row["unit"]: 1.0 for row in rows.values()})
 
 
 def _free(constant: Parameter, value: float | None) -> Parameter:

@@ -80,10 +80,9 @@ def moved_constants(findings: Findings) -> list[Note]:
     relaxed = {cause.frees for cause in fit.causes}
     notes = []
     for k, constant in enumerate(findings.problem.constants):
-        moved = abs(fit.x[k]) > _FAR
-        if constant.is_stated and constant.name not in relaxed and moved:
-            far = f"{abs(fit.x[k]):.0f} of its stated errors"
-            text = f"{constant.name} is {far} from its stated value."
+        far = abs(fit.x[k])
+        if constant.is_stated and constant.name not in relaxed and far > _FAR:
+            text = f"{constant.name} is {far:.0f} of its stated errors from its stated value."
             notes.append(Note("constant-far", text, float(fit.x[k])))
     return notes
 

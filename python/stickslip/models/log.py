@@ -87,10 +87,8 @@ class Columns(NamedTuple):
         return {_TIME: ("s",), self.reads: (self.unit,), **self.inputs, _ERROR: (self.unit,)}
 
     def __str__(self) -> str:
-        words = {
-            name: " or ".join(units).replace("-", "no unit") for name, units in self.units.items()
-        }
-        return ", ".join(f"{name} ({unit})" for name, unit in words.items() if name != _ERROR)
+        return ", ".join(f"{name} ({' or '.join(units).replace('-', 'no unit')})"
+                         for name, units in self.units.items() if name != _ERROR)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -331,7 +329,14 @@ def read_log(path: str | PathLike[str] | Any, model: object) -> Series:
             f"{table.path}: column {heading} has no unit and reaches {largest:.4g}: beyond a turn "
             f'allowed is "{heading} (rad)" or "{heading} (deg)"'
         )
+    if wanted.unit == "K" and not is_near(log.y, 0.0):  # the model asks for it, and takes no 0
+        notes = [note for note in notes if note.code != "no-input"]
     return log.noted(notes)
+
+
+def is_near(readings: Array, temperature: float, within: float = 10.0) -> bool:
+    """Whether a temperature may act on a body of these readings, K. Chosen: wide."""
+    return bool(readings.min() - within <= temperature <= readings.max() + within)
 
 
 def _readings(table: SourceTable, wanted: Columns, notes: list[Note]) -> dict[str, Array]:
@@ -419,14 +424,12 @@ def _whole_rows(
 
 def _check_fast(table: SourceTable, t: Array, model: Any) -> None:
     """Refuse times without a unit in whose steps all stated time constants have passed."""
-    known = getattr(model, "known", None)
-    terms = getattr(getattr(model, "kind", None), "every", {})
-    if not isinstance(known, Mapping) or len(t) < 2:
+    middles: Mapping[str, float] = getattr(model, "middles", {})
+    if not middles or len(t) < 2:
         return
-    sizes = {name: abs(float(value.value(0.0) if hasattr(value, "value") else value))
-             for name, value in known.items() if name in terms
-             and (not hasattr(value, "has_middle") or value.has_middle)}  # fmt: skip
-    lasts = []
+    sizes = {name: abs(value) for name, value in middles.items()
+             if getattr(model.known[name], "has_middle", True)}  # fmt: skip
+    terms, lasts = model.kind.every, list[float]()
     for one, other in itertools.permutations(sizes, 2):
         if sizes[one] and sizes[other]:
             for unit, power in (("s", 1.0), ("s^2", 0.5)):

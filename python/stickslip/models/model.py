@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.special import ndtri
+from scipy.stats.qmc import Halton
 
 from stickslip._util.arrays import Array, root_mean_square, row
 from stickslip._util.messages import meant, refuse
@@ -20,7 +22,7 @@ from stickslip.diagnosis.terms import instruments
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import LARGEST_ERROR, Parameter
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.models.log import Columns
+from stickslip.models.log import Columns, is_near
 from stickslip.models.physics import Inputs
 
 Known = float | tuple[float, float] | Prior | Mapping[str, float]
@@ -37,10 +39,9 @@ _COARSE = 100
 noise of a dense log counts little there, and what is faster is rarely asked."""
 
 _LEAST = 1e-3  # of its middle: a constant above zero; chosen, a wrong unit
-_NEAR_READINGS, _FAR = 10.0, 100.0
-"""Up to so far from all readings, K, a temperature is likely, and beyond so far it is not. Chosen:
-wide, as what is refused has to be written otherwise."""
+_FAR = 100.0  # from all readings, K, beyond which no temperature is likely; chosen: wide
 _COARSE_STEP = 0.02  # of a lag, beyond which a step of the log is told beside it; chosen
+_TRIED = 64  # values of ranges, of which the usual sizes have the best; chosen: 18 % of 5 decades
 _ABOVE, _BELOW = 1.2, 0.1  # where limits act: of the largest input; chosen, as for `clipping`
 
 
@@ -256,6 +257,12 @@ class Model(OneLine):
         return np.asarray(states[:, self.kind.reads[self.reads][0]].T)
 
     @property
+    def middles(self) -> dict[str, float]:
+        """Values by name, of a prior that of its middle."""
+        return {name: float(value.value(0.0)) if isinstance(value, Prior) else value
+                for name, value in self.known.items()}  # fmt: skip
+
+    @property
     def unit(self) -> str:
         """Unit of the readings."""
         return self.kind.states[self.kind.reads[self.reads][1]][1]
@@ -293,10 +300,8 @@ class Model(OneLine):
         self._check_names(values)
         record = Series(t, np.zeros(np.shape(np.asarray(t))), inputs, sd=1.0)
         self._check_record(record)
-        middles = {name: float(value.value(0.0)) for name, value in self.known.items()
-                   if isinstance(value, Prior)}  # fmt: skip
-        stated = {**middles, **values}
-        p = {name: row(name, [value])[:, None] for name, value in stated.items()}
+        given = self.middles | values
+        p = {name: row(name, [value])[:, None] for name, value in given.items()}
         return np.asarray(self(record, p)[0])
 
     def terms(self, data: Any) -> tuple[list[Parameter], list[Cause]]:
@@ -315,7 +320,8 @@ class Model(OneLine):
             self._check_record(record)
             for name in record.inputs.keys() & self.known.keys():
                 raise ScenarioError(
-                    f"{record.at}{name} is an input, and stated too: allowed is one of these"
+                    f"{record.at}{name} is an input, and stated too: allowed is one of these; "
+                    f"state no {name}, or leave out the input (in a file, rename its column)"
                 )
             self._check_zeros(record)
         scales = self._scales(records)
@@ -331,10 +337,8 @@ class Model(OneLine):
                 uncertain.append(term.shape.ranged(scales))
         acting = set.intersection(*(set(record.inputs) for record in records))
         # A free start undoes a wrong zero of a place on which nothing depends.
-        first, placed = (
-            kind.states[0][0],
-            kind.placed & {*(cause.name for cause in causes), *self.known},
-        )
+        first = kind.states[0][0]
+        placed = kind.placed & {*(cause.name for cause in causes), *self.known}
         free = len(kind.states) > 1 and kind.reads[self.reads][1] == 0
         undone = free and not placed and first not in self.known
         held = bool(acting) and not self.smooth
@@ -370,12 +374,10 @@ class Model(OneLine):
         """Usual sizes of the log's quantities, and the stated constants."""
         y = np.concatenate([record.y - record.y.mean() for record in records])
         slope = np.concatenate([_slopes(record) for record in records])
-        tiny = 1e-300
         size, change = root_mean_square(y) or 1.0, root_mean_square(slope) or 1.0
         made = {term.name: 1.0 if term.value is None else term.value
                 for term in self.kind.terms if not term.size}  # fmt: skip
-        made |= {name: float(value.value(0.0)) if isinstance(value, Prior) else value
-                 for name, value in self.known.items()}  # fmt: skip
+        made |= self.middles | self._in_ranges(records)
         # Before scales, of which one is a length too.
         per_command = Term("", "", "", 1.0, self.kind.per_command).usual(made)
         first = next(iter(self.kind.inputs))
@@ -392,7 +394,7 @@ class Model(OneLine):
         fastest = made[("speed", "acceleration")[len(self.kind.states) - 1]]
         made["force"] = max(
             made.get(self.kind.inertia, 1.0) * fastest,
-            per_command * made["input"], tiny,
+            per_command * made["input"], 1e-300,
             # A weight that is stated acts too, where the inertia may be what is wrong.
             *(abs(made.get(term.name, 0.0)) for term in self.kind.terms
               if term.of == "force" and term.signed),
@@ -403,6 +405,21 @@ class Model(OneLine):
         made["input"], made["peak"] = made["input"] or 1.0, made["peak"] or 1.0
         made["time"] = made["length"] / made["speed"]
         return made
+
+    def _in_ranges(self, records: Sequence[Series]) -> dict[str, float]:
+        """Constants of which only a range is known, where the model is most like the readings."""
+        ranges = {name: prior for name, prior in self.known.items()
+                  if isinstance(prior, Prior) and not prior.has_middle}  # fmt: skip
+        if not ranges:
+            return {}
+        z = ndtri(Halton(len(ranges), scramble=False).random(_TRIED))
+        tried = {name: ranges[name].value(z[:, [k]]) for k, name in enumerate(ranges)}
+        p = {name: np.array([[value]]) for name, value in self.middles.items()} | tried
+        start, left = self.kind.states[self.kind.reads[self.reads][1]][0], np.zeros(_TRIED)
+        for record in records:  # each from its first reading, and up to a wrong zero
+            left += np.var(record.y - self(record, {start: record.y[None, :1], **p}), axis=1)
+        best = int(np.argmin(np.where(np.isfinite(left), left, math.inf)))
+        return {name: float(values[best, 0]) for name, values in tried.items()}
 
     def _check_record(self, record: Any) -> None:
         unit, known = self.unit, self.kind.inputs
@@ -427,28 +444,18 @@ class Model(OneLine):
 
     def _check_zeros(self, record: Series) -> None:
         """Refuse a temperature that only another zero brings near the readings, or none at all."""
-        least, most = float(record.y.min()), float(record.y.max())
         of = f"readings in {record.unit}" if unit_label(record.unit) else "readings"
-        seen = f"{of} are between {least:.4g} and {most:.4g}"
+        seen = f"{of} are between {record.y.min():.4g} and {record.y.max():.4g}"
         shift = zero_of("degC") if record.unit == "K" else -zero_of("degC")
-        for term in self.kind.terms:
-            if term.unit != "K":
-                continue
-            name, value = term.name, self.known.get(term.name)
-            if name in record.inputs:
-                stated = float(np.median(record.inputs[name]))
-            elif value is not None:
-                stated = float(value.value(0.0)) if isinstance(value, Prior) else value
-            elif not least - _NEAR_READINGS <= 0.0 <= most + _NEAR_READINGS:
+        for name in (term.name for term in self.kind.terms if term.unit == "K"):
+            if name not in {*record.inputs, *self.known} and not is_near(record.y, 0.0):
                 raise ScenarioError(
                     f"{record.at}{name} is missing, and {seen}: allowed is {name} as a number or a "
                     "column, 0 where readings are counted from it"
                 )
-            else:
-                continue
-            likely = stated + shift
-            near = least - _NEAR_READINGS <= likely <= most + _NEAR_READINGS
-            if record.unit != "-" and near and not least - _FAR <= stated <= most + _FAR:
+            stated = float(np.median(record.inputs.get(name, self.middles.get(name, 0.0))))
+            likely, far = stated + shift, not is_near(record.y, stated, _FAR)
+            if record.unit != "-" and far and is_near(record.y, likely):
                 raise ScenarioError(
                     f"{record.at}{name} = {stated:g}: {likely:g} may be meant, as {seen}; allowed "
                     f"is {name} in {record.unit}, or a column that states its unit"
@@ -458,10 +465,8 @@ class Model(OneLine):
         known = self.kind.every
         for name in names:
             if name not in known:
-                allowed = ", ".join(known)
-                raise ScenarioError(
-                    f"{self.kind.name}: there is no {name}{meant(name, known)}; known are {allowed}"
-                )
+                text = f"there is no {name}{meant(name, known)}; known are {', '.join(known)}"
+                raise ScenarioError(f"{self.kind.name}: {text}")
 
 
 def made(
@@ -482,10 +487,9 @@ def made(
     model = Model(kind, reads, stated, tuple(without), bool(smooth))
     model._check_names(stated)
     for name, term in kind.every.items():
-        given = stated.get(name)
-        if given is None and term.absent is None and name not in kind.inputs:
+        middle = model.middles.get(name)
+        if middle is None and term.absent is None and name not in kind.inputs:
             raise ScenarioError(f"{kind.name}: {name} is missing: allowed is {_KNOWN}, {term.unit}")
-        middle = float(given.value(0.0)) if isinstance(given, Prior) else given
         if middle is not None and not term.signed and not middle >= (1e-300, 0.0)[term.size > 0.0]:
             allowed = "from 0" if term.size else "above 0"
             refuse(f"{kind.name}: {name}", middle, f"a value {allowed}, {term.unit}")

@@ -98,20 +98,15 @@ def _moved(inputs: Inputs, t: Array, values: _Named, inertia: str, force: Array)
     def of(name: str) -> Array:
         return values.get(name, none) / whole
 
+    same = ("quadratic", "cubic_damping", "stiffness", "gravity", "coulomb", "asymmetry",
+            "stribeck", "load")  # fmt: skip
     c = {
+        **{name: of(name) for name in same},
         "rate": of("viscous"),
         "rate_asymmetry": of("viscous_asymmetry"),
-        "quadratic": of("quadratic"),
-        "cubic_damping": of("cubic_damping"),
-        "stiffness": of("stiffness"),
         "square": of("quadratic_stiffness"),
         "cubic": of("cubic_stiffness"),
-        "gravity": of("gravity"),
-        "coulomb": of("coulomb"),
-        "asymmetry": of("asymmetry"),
-        "stribeck": of("stribeck"),
         "stribeck_speed": values.get("stribeck_speed", none),
-        "load": of("load"),
     }
     if "backlash" in values:
         share, compliance = values["load_share"], values["compliance"]

@@ -126,17 +126,17 @@ def _of_background(field_map: FieldMap, made: _core.Scenario) -> list[Note]:
     to coil. A frame that is turned as a whole gives coils of two axes opposite fields.
     """
     fields = made.coils().field(np.zeros((len(AXES), 3)), np.eye(len(AXES)))
-    used = np.flatnonzero(np.linalg.norm(fields, axis=1) > 0.0)
-    if len(used) < len(AXES) - 1:
+    sizes = np.linalg.norm(fields, axis=1)
+    used = sizes > 0.0
+    if np.sum(used) < len(AXES) - 1:
         return []
-    across = [fields[used[np.array(AXES)[used] != axis], axis] for axis in range(3)]
-    common = np.array([np.mean(values) for values in across])
-    left = np.concatenate([values - np.mean(values) for values in across])
-    scatter = math.sqrt(float(left @ left) / (len(left) - 3))
+    along = np.arange(3) == np.array(AXES)[:, None]
+    across = np.ma.masked_array(fields, along | ~used[:, None])
+    common = across.mean(axis=0).data
+    scatter = math.sqrt(np.sum((across - common) ** 2) / (across.count() - 3))
     # The error of a mean over all points.
-    noise = max(field_map.residual[k] / math.sqrt(field_map.points[k]) for k in used)
-    size = float(np.linalg.norm(common))
-    coil = float(np.median(np.linalg.norm(fields[used], axis=1)))
+    noise = np.max(np.array(field_map.residual)[used] / np.sqrt(np.array(field_map.points)[used]))
+    size, coil = float(np.linalg.norm(common)), float(np.median(sizes[used]))
     if size < max(_LEAST_BACKGROUND * coil, _COMMON * math.hypot(scatter, noise)):
         return []
     vector = ", ".join(f"{1e6 * value:.1f}" for value in common)

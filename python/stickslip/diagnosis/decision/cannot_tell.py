@@ -138,8 +138,7 @@ def cannot_tell(
     candidate = subject if _lead(models, subject.fit, null.fit) > PARTS else null
     groups, silent = combinations(candidate)
     beside = _Beside(models, candidate.fit, responses)
-    causes, cosines = beside.cosines()
-    hidden = beside.hidden()
+    (causes, cosines), hidden = beside.cosines(), beside.hidden()
     alike = _exchanged(models, candidate.fit, fits)
     alike += beside.alike([name for name in causes if name not in hidden])
 
@@ -162,10 +161,9 @@ def _exchanged(models: Models, fit: Fit, fits: Sequence[Fit]) -> list[Alike]:
         if cosine <= ALIKE:
             continue
         gap = fit.residual - other.residual
-        lead = _lead(models, fit, other)
         apart = float(form.gram(form.prepared(gap[:, None]), fit.h)[0, 0])
-        (cause,), (exchanged,) = fit.names - other.names, other.names - fit.names
-        pairs.append(_alike(problem, (cause, exchanged), cosine, lead, apart, gap))
+        (cause,), (twin,) = fit.names - other.names, other.names - fit.names
+        pairs.append(_alike(problem, (cause, twin), cosine, _lead(models, fit, other), apart, gap))
     return pairs
 
 

@@ -302,10 +302,11 @@ class Facts:
         DataFrame, optional
             A row for each condition: the settings, `separation`, the expected chi-square between
             the two models `first` and `second` that it tells apart best, by three readings with the
-            noise of the others, and of each model a column with what it predicts and one with its
-            sd. None where there is nothing to separate.
+            noise of the others; `least`, that of the two that it tells apart worst; and of each
+            model, of a set all members, a column with what it predicts and one with its sd. None
+            where there is nothing to separate.
         """
-        candidates, pairs = self._rivals
+        candidates, pairs = self._rivals(every_member=True)
         if not pairs:
             return None
         import pandas as pd
@@ -314,7 +315,7 @@ class Facts:
         level, covariance, noise = self._apart(candidates, at)
         chi2 = design.expected_chi2(level, covariance, noise, pairs)
         best = np.argmax(chi2, axis=0)
-        settings["separation"] = np.max(chi2, axis=0).tolist()
+        settings |= {"separation": np.max(chi2, axis=0), "least": np.min(chi2, axis=0)}
         for k, word in enumerate(("first", "second")):
             settings[word] = [candidates[pairs[pair][k]].name for pair in best.tolist()]
         for k, candidate in enumerate(candidates):
@@ -406,11 +407,10 @@ class Facts:
             raise ScenarioError("predict: this model was given without a way to new conditions")
         return np.asarray(self.forward(at, candidate.values()))
 
-    @cached_property
-    def _rivals(self) -> tuple[list[Candidate], list[tuple[int, int]]]:
+    def _rivals(self, every_member: bool) -> tuple[list[Candidate], list[tuple[int, int]]]:
         """Models to tell apart, and which of them from which.
 
-        A claim from those that come next; the members of a set from one another.
+        A claim from those that come next; the members of a set, perhaps all, from one another.
         """
         if self.verdict.kind in ("none", "data-problem"):
             return [], []
@@ -422,8 +422,9 @@ class Facts:
         elif self.verdict.kind == "ambiguous":
             fits = list(self.verdict.members)
         # The first rival is told apart however small its probability is, others only beside it.
-        least = self.chance.models[fits[min(1, len(fits) - 1)].name] * _RIVAL
-        fits = [fit for fit in fits[:_COMPARED] if self.chance.models[fit.name] >= least]
+        if not every_member or self.verdict.kind != "ambiguous":
+            least = self.chance.models[fits[min(1, len(fits) - 1)].name] * _RIVAL
+            fits = [fit for fit in fits[:_COMPARED] if self.chance.models[fit.name] >= least]
         rivals = [Candidate(fit, self.findings.models) for fit in fits]
         pairs = itertools.combinations(range(len(rivals)), 2)
         return rivals, [pair for pair in pairs if claim is None or pair[0] == 0]
@@ -444,7 +445,7 @@ class Facts:
         return self._proposed(design.PROPOSED)
 
     def _proposed(self, count: int) -> list[design.Experiment]:
-        candidates, pairs = self._rivals
+        candidates, pairs = self._rivals(every_member=False)
         proposals = self.rivals.proposals() if pairs else None
         if proposals is None:
             return []

@@ -128,8 +128,7 @@ def discrepancy(fit: Fit) -> float:
     """Mean square of what a model leaves beyond the stated errors, in them: s^2 + kappa^2 - 1."""
     if fit.form == "exact":
         return 0.0
-    s = fit.sizes.get("s", 0.0)
-    return s**2 + max(fit.sizes["kappa"] ** 2 - 1.0, 0.0)
+    return fit.sizes.get("s", 0.0) ** 2 + max(fit.sizes["kappa"] ** 2 - 1.0, 0.0)
 
 
 def share(models: Models, fit: Fit) -> float:

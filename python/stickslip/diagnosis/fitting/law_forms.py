@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -48,37 +49,43 @@ def _compared(models: Models, names: frozenset[str], law: Cause) -> Models:
     others = forms(law)
     if models.problem.wider is None or not others:
         return models
-    models = models.widened(models.problem.wider(models.problem, others), models.offered)
-    problem, least = models.problem, models.log_posterior(models.leaders(1)[0]) - SEARCH.near
-    evidence: dict[str, dict[str, Fit]] = {}
+    wider = models.problem.wider(models.problem, list(others.values()))
+    models = models.widened(wider, models.offered)
+    least = models.log_posterior(models.leaders(1)[0]) - SEARCH.near
+    fits: dict[str, dict[str, Fit]] = {}
     for name in models.forms:
         old = models.get(names, name)
         # A form may explain what no curve through knots does.
-        if old is None or (name != "exact" and models.log_posterior(old) < least):
-            continue
-        refits = run_batched(problem, [_fitted(models, old, law, other) for other in others])
-        correction = models.corrections.get(names, 0.0)
-        by_form = {"curve": replace(old, log_evidence=old.log_evidence + correction)}
-        names_of = [other.curve.form for other in others if other.curve is not None]
-        by_form |= {form: fit for form, fit in zip(names_of, refits, strict=True) if fit}
-        evidence[name] = by_form
-    weight = {
-        form: float(logsumexp([
-            math.log(PRIOR[name]) + by_form[form].log_evidence
-            for name, by_form in evidence.items() if form in by_form
-        ]))
-        for form in dict.fromkeys(form for by_form in evidence.values() for form in by_form)
-    }  # fmt: skip
-    total = float(logsumexp(list(weight.values())))
-    chance = {form: math.exp(value - total) for form, value in weight.items()}
-    order = sorted(chance, key=lambda form: -chance[form])
-    for name, fits in evidence.items():
-        mean = logsumexp([fit.log_evidence for fit in fits.values()]) - math.log(1 + len(others))
-        best = next(fits[form] for form in order if form in fits)
+        if old is not None and (name == "exact" or models.log_posterior(old) >= least):
+            fits[name] = _by_form(models, old, law, others)
+    chance = _chances(fits)
+    for name, by_form in fits.items():
+        mean = logsumexp([fit.log_evidence for fit in by_form.values()]) - math.log(1 + len(others))
+        best = next(by_form[form] for form in chance if form in by_form)
         models.best[names, name] = replace(best, log_evidence=float(mean))
     models.corrections[names] = 0.0
-    models.of_forms[names] = {form: chance[form] for form in order}
+    models.of_forms[names] = chance
     return models
+
+
+def _by_form(models: Models, old: Fit, law: Cause, others: Mapping[str, Cause]) -> dict[str, Fit]:
+    """Fits of a model with its law as a curve, and in each other form that comes near."""
+    curve = replace(old, log_evidence=old.log_evidence + models.corrections.get(old.names, 0.0))
+    tries = [_fitted(models, old, law, other) for other in others.values()]
+    refits = run_batched(models.problem, tries)
+    return {"curve": curve, **{form: fit for form, fit in zip(others, refits, strict=True) if fit}}
+
+
+def _chances(fits: Mapping[str, Mapping[str, Fit]]) -> dict[str, float]:
+    """Probability of each form over all discrepancies, the most probable first."""
+    weights: dict[str, list[float]] = {}
+    for name, by_form in fits.items():
+        for form, fit in by_form.items():
+            weights.setdefault(form, []).append(math.log(PRIOR[name]) + fit.log_evidence)
+    sums = {form: float(logsumexp(each)) for form, each in weights.items()}
+    total = float(logsumexp(list(sums.values())))
+    chances = ((form, math.exp(each - total)) for form, each in sums.items())
+    return dict(sorted(chances, key=lambda item: -item[1]))
 
 
 def _fitted(models: Models, old: Fit, law: Cause, other: Cause) -> Batched[Fit | None]:

@@ -105,12 +105,12 @@ def made_law(
     return Cause(name, tuple(knots), meaning, frees=curve.constant, curve=curve, odds=odds)
 
 
-def forms(law: Cause) -> list[Cause]:
-    """The law in each of its other forms, by an amplitude and a scale in place of its knots."""
+def forms(law: Cause) -> dict[str, Cause]:
+    """The law by its other forms, of an amplitude and a scale in place of its knots."""
     curve, knot = law.curve, law.parameters[0]
     assert curve is not None
     assert knot.prior is not None
-    stated, others = curve.statement, []
+    stated, others = curve.statement, dict[str, Cause]()
     for form in SHAPES if stated is None else stated.forms:
         farthest = SHAPES[form].farthest
         section, statement = f"{law.name}.{form}", None
@@ -126,7 +126,7 @@ def forms(law: Cause) -> list[Cause]:
             prior = Prior("log-uniform", NEAREST * curve.reach, farthest * curve.reach)
             numbers.append(Parameter(f"{section}.scale", prior, curve.unit, cause=False))
         other = replace(curve, form=form, statement=statement)
-        others.append(replace(law, parameters=tuple(numbers), curve=other))
+        others[form] = replace(law, parameters=tuple(numbers), curve=other)
     return others
 
 

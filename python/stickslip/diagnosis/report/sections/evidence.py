@@ -85,14 +85,13 @@ def _against(facts: Facts, fit: Fit, other: Fit) -> list[dict[str, Any]]:
 
 def _gain(facts: Facts, gain: Gain) -> dict[str, Any]:
     """The gain, and `told`: the table whose error changes most, in its unit and in per cent."""
-    problem, entry, best = facts.problem, asdict(gain), -math.inf
-    records: list[dict[str, Any]] = []
-    entry["interval"] = list(gain.interval)
+    problem, best = facts.problem, -math.inf
+    entry = {**asdict(gain), "interval": list(gain.interval), "records": []}
     for table, part, name, title, _ in problem.parts:
         if not table.drawable:
             continue
         one = {"before": gain.mae_before[name], "after": gain.mae_after[name]}
-        records.append({"title": title, "unit": table.unit, **one})
+        entry["records"].append({"title": title, "unit": table.unit, **one})
         change = abs(one["before"] - one["after"]) / float(np.median(problem.sd[part]))
         if change > best:
             best, level = change, float(np.mean(np.abs(problem.y[part])))
@@ -100,7 +99,6 @@ def _gain(facts: Facts, gain: Gain) -> dict[str, Any]:
             of_level = not (is_of(table.unit, "rad") or is_of(table.unit, "K"))
             entry["told"] = {"table": title, **one, "unit": table.unit, "level": level,
                              "of_level": of_level}  # fmt: skip
-    records.sort(key=lambda record: -record["after"] / max(record["before"], 1e-300))
-    entry["records"] = records
+    entry["records"].sort(key=lambda record: -record["after"] / max(record["before"], 1e-300))
     entry["change"] = "falls" if gain.certain else "grows" if gain.interval[1] < 0.0 else "not sure"
     return entry
