@@ -131,9 +131,11 @@ def _of_a_file(key: str, text: str) -> Value | Path:
 
 def _once(ctx: click.Context, param: click.Parameter, pairs: Any) -> dict[str, Any]:
     """The values by key."""
-    table = dict(pairs)
-    if len(table) < len(pairs):
-        raise click.BadParameter("a key is there twice", ctx, param)
+    table = dict[str, Any]()
+    for key, values in pairs:
+        if key in table:
+            raise click.BadParameter(f"{key} is there twice: allowed is one", ctx, param)
+        table[key] = values
     return table
 
 

@@ -247,7 +247,8 @@ class Run(Recorded):
         """
         notes = run_notes(self.scenario, self.status, self.numbers, self.condition_met)
         if self.ok and self.condition and not self.condition_met:
-            text = f"the condition {self.condition} was not met until the end of the run"
+            end = f"{self.simulated_time:.6g} s: a longer drive may meet it"
+            text = f"the condition {self.condition} was not met until the end of the run at {end}"
             notes.append(Note("condition-not-met", text))
         if self.recorded and not self.complete:
             until = self.recorded_until
