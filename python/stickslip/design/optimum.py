@@ -339,7 +339,8 @@ class Optimum(OneLine):
     def _draw_drive(self, volts: Axes, field: Axes) -> None:
         frequency = float(self.values.get("drive.frequency", self.start.drive.frequency))
         begin = max(self.scenario.window[1] - _PERIODS / frequency, 0.0)
-        record = {RECORD_RATE: _SAMPLES * frequency, "record.from": begin}
+        record: dict[str, Value] = {"record.fields": "all", "record.from": begin}
+        record[RECORD_RATE] = _SAMPLES * frequency
         run = simulate(self.scenario.replace(record))
         if run.ok:  # it may fail at the middle, which was none of the draws
             asked = drive_waveform(self.scenario)
