@@ -88,7 +88,7 @@ coverage: install ## lines of both languages that the Python tests reach (PYTEST
 demo: install ## a short tour: a film, four walks as a table, pictures, into demo_output
 	@mkdir -p demo_output
 	stickslip run examples/walk.toml --plot demo_output/walk.png --animate demo_output/walk.webp
-	stickslip sweep examples/walk.toml --vary drive.mode=IPP,OPP --vary drive.frequency=30,100 \
+	stickslip sweep examples/walk.toml --vary drive.frequency=30,50,70,100 \
 	    --plot demo_output/walks.png
 
 pictures: install ## the pictures of README and documentation, into docs/images

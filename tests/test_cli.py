@@ -203,6 +203,8 @@ def test_keys_lists_all_or_those_that_have_a_word():
                        ("Density", "robot.density")):  # fmt: skip
         assert name in printed("keys", word)["others"]
         assert name in stickslip("keys", word).stdout
+    for one, many in (("coil", "coils"), ("Frequency", "frequencies"), ("prior", "Priors")):
+        assert printed("keys", many) == printed("keys", one)
     # No name has it.
     assert all("pulses a second" in each["meaning"] for each in printed("keys", "a second")["keys"])
 
@@ -214,7 +216,8 @@ def test_effects_lists_all_or_those_that_have_a_word():
         for parameter in each["parameters"]:
             assert {"key", "unit", "low", "high", "default", "meaning"} <= set(parameter)
     names = [each.name for each in effects() if "drag" in each.name]
-    assert [each["name"] for each in printed("effects", "drag")["effects"]] == names
+    for word in ("drag", "drags"):
+        assert [each["name"] for each in printed("effects", word)["effects"]] == names
     (tilt,) = (each for each in effects() if each.name == "surface_tilt")
     for word in ("effects.surface_tilt", "Surface_Tilt", tilt.meaning):
         assert [each["name"] for each in printed("effects", word)["effects"]] == [tilt.name]

@@ -29,6 +29,9 @@ HOPPER = {  # its peaks of speed, at 115 and 150 Hz, are hops
     "robot.length": 0.4e-3, "robot.width": 0.25e-3, "robot.height": 0.15e-3,
     "contact.adhesion": 0.0, "drive.mode": "OPP",
 }  # fmt: skip
+PROGRAM = Scenario(drive=Drive(mode="program", program=drive_waveform(START)))
+CLAMP = {"knots": 3, "coils": ("clamp",), "limits": {"voltage_max": 26.0}, "allow_flight": True}
+LOW = {"free": {"drive.peak": (1e-3, 4e-3)}, "limits": {"theta_max": 0.6}}  # its grid is at 4 mT
 SAWTOOTH = {
     "drive.frequency": (30.0, 200.0), "drive.base": (-1e-3, 2e-3), "drive.hold": (0.5e-3, 2.5e-3),
 }  # fmt: skip
@@ -402,10 +405,6 @@ def test_a_sawtooth_beside_a_free_waveform_is_taken_as_a_program(few):
     assert run.mean_velocity == found.table["score"]["best"]
     assert run.summary()["voltage_max"] <= 26.0
     assert found.values["drive.hold"] == found.sawtooth["drive.hold"]
-    # It drives no coil that the waveform may not.
-    clamp = optimise(start, knots=3, coils=("clamp",), allow_flight=True, **options)
-    assert clamp.sawtooth is None
-    assert "no sawtooth to compare with: it drives xp, which --coils leaves" in clamp.summary()
 
 
 def test_no_neighbour_within_the_limits_is_better(few):
@@ -421,8 +420,11 @@ def test_no_neighbour_within_the_limits_is_better(few):
     assert found.scenario.drive.peak > START.drive.peak
 
 
-@pytest.mark.parametrize(("ends", "agreeing"), [((0.5, 0.9), 1), ((0.9, 0.9), 2), ((0.9,), 1)])
-def test_a_best_that_no_second_start_confirms_is_told(few, monkeypatch, ends, agreeing):
+@pytest.mark.parametrize(
+    ("ends", "agreeing", "told"),
+    [((0.5, 0.9), 1, True), ((0.9, 0.9), 2, False), ((0.9,), 1, False)],
+)
+def test_a_best_that_no_second_end_confirms_is_told(few, monkeypatch, ends, agreeing, told):
     def ended(starts, evaluate, budget, seed):
         return len(evaluate(np.array([[0.0, end] for end in ends])))
 
@@ -430,7 +432,9 @@ def test_a_best_that_no_second_start_confirms_is_told(few, monkeypatch, ends, ag
     found = optimise(START, maximise="field_max", free={"drive.peak": (1e-3, 4e-3)}, **LITTLE,
                      allow_flight=True, allow_pull=True)  # fmt: skip
     assert (found.ended, found.agreeing) == (len(ends), agreeing)
-    assert ("another --seed" in found.summary()) == (agreeing < 2)
+    for origin, moves in (("search", 0), ("search", 1), ("sawtooth", 0)):
+        said = replace(found, origin=origin, moves=moves).summary()
+        assert ("another --seed" in said) == (told and (origin, moves) == ("search", 0))
 
 
 def test_ctrl_c_keeps_the_best_so_far(few, batches):
@@ -443,8 +447,6 @@ def test_ctrl_c_keeps_the_best_so_far(few, batches):
     assert found.runs == len(tried)
     best = max(simulate(each).mean_velocity for each in tried)
     assert found.search["score"] == simulate(found.scenario).mean_velocity == best
-    assert found.sawtooth is None
-    assert "no sawtooth to compare with: it was interrupted" in found.summary()
     assert found.landscape.empty
     assert found.table.empty
     assert found.as_dict()["fresh"] == {}
@@ -484,14 +486,32 @@ def test_of_limits_that_exclude_each_other_the_nearest_drive_is_told(batches):
     assert all(f"{name} {nearest[name]:.6g} of" in str(refused.value) for name in passed)
 
 
-def test_a_program_has_no_sawtooth():
-    program = Scenario(drive=Drive(mode="program", program=drive_waveform(START)))
-    found = optimise(program, maximise="mean_velocity", free={"robot.length": (2e-4, 3e-4)},
-                     evaluations=20)  # fmt: skip
+@pytest.mark.parametrize(
+    ("start", "more", "reason"),
+    [
+        (PROGRAM, {"free": {"robot.length": (2e-4, 3e-4)}}, 'drive.mode = "program"'),
+        (START, CLAMP, "it drives xp, which --coils leaves"),
+        (START, LOW, "none of the grid is within the limits"),
+        (START, WALK, "it was interrupted"),
+    ],
+    ids=["mode", "coils", "limits", "interrupted"],
+)
+def test_why_there_is_no_sawtooth_is_told(few, batches, start, more, reason):
+    batches.ctrl_c = 3 if more is WALK else None
+    try:
+        found = optimise(start, **{"maximise": "mean_velocity", "evaluations": 20, **more})
+    except KeyboardInterrupt as interrupt:
+        found = interrupt.best
     assert found.sawtooth is None
     assert "sawtooth" not in found.table.index
-    assert 'no sawtooth to compare with: drive.mode = "program"' in found.summary()
-    assert "\nstart: the scenario's own; search: what the search found; best: " in found.summary()
+    assert reason in found.no_sawtooth == found.as_dict()["no_sawtooth"]
+    assert f"no sawtooth to compare with: {reason}" in found.summary()
+
+
+@pytest.mark.parametrize("fields", ["x", "x, event"])
+def test_the_picture_has_all_that_it_draws_whatever_the_start_records(few, fields):
+    found = optimise(START.replace({"record.fields": fields}), **WALK, evaluations=1)
+    assert found.figure().axes[1].lines
 
 
 def test_words_alone_and_a_map_are_written(few, tmp_path):

@@ -113,7 +113,7 @@ def test_the_diagnosis_names_no_robot():
 
 
 def test_import_is_light():
-    # The promise is 0.3 s; what would break it are these, each 0.1 s or more by
+    # Chosen: 0.3 s; what would break it are these, each 0.1 s or more by
     # itself. Looking for them, unlike a clock, gives one answer on any machine.
     heavy = "{'numpy', 'scipy', 'pandas', 'xarray', 'matplotlib', 'h5py', 'jinja2', 'click'}"
     study = "'reproduction'"

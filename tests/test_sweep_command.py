@@ -45,6 +45,10 @@ def test_the_table_has_a_row_for_each_point(scenario):
     velocity = float(data["mean_velocity"].sel(drive_frequency=60.0, drive_mode="IPP"))
     assert ["60", "IPP", "ok", f"{velocity:.6g}"] in [row[:4] for row in rows]
     assert "6 (3 drive_frequency x 2 drive_mode)" in done.stdout
+    rows = stickslip("sweep", scenario, "--vary=drive.frequency=30:80:51").stdout.splitlines()
+    assert rows[0].startswith("51 points")
+    ends = [row.split() for row in rows if row.startswith(("lowest", "highest"))]
+    assert [end[:2] for end in ends[:2]] == [["lowest", "30"], ["highest", "80"]]
 
 
 def test_the_file_holds_the_dataset_of_the_library(scenario, tmp_path):

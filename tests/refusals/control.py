@@ -120,6 +120,7 @@ ROWS = [
     ("env's camera", lambda _: gymnasium.make("stickslip/Walk-v0", camera=30), "camera = 30"),
     ("env's scenario", env(scenario="x.toml"), 'scenario = "x.toml"'),
     ("no robots", lambda _: RobotVectorEnv(0), "num_envs = 0"),
+    ("foo", lambda _: RobotEnv(foo=1), "RobotVectorEnv: foo = 1: there is no such argument"),
     ("seeds", lambda _: RobotVectorEnv(2).reset(seed=[1, 2, 3]), "3 entries: allowed are 2"),
     ("seed below 0", lambda _: RobotVectorEnv(2).reset(seed=np.array([1, -1])), "seed = -1"),
     ("seed a fraction", lambda _: RobotVectorEnv(2).reset(seed=1.5), "seed = 1.5"),

@@ -1,6 +1,7 @@
 """Refusals of a scenario, its files, its effects and a field map."""
 
 import ctypes
+import inspect
 import math
 from collections.abc import Mapping
 
@@ -19,6 +20,7 @@ from stickslip import (
     Scenario,
     ScenarioError,
     Waveform,
+    control,
     load,
     register_effect,
 )
@@ -61,6 +63,33 @@ def of_class(_, given):
     """A class of this package by its name, with its arguments."""
     name, arguments = given
     getattr(stickslip, name)(**arguments)
+
+
+MADE = [
+    "Diagnosis",
+    "Followed",
+    "Film",
+    "Optimum",
+    "Rollout",
+    "Run",
+    "ScenarioError",
+    "SimulationError",
+    "Snapshot",
+]
+"""Classes that functions make, or nobody."""
+
+PUBLIC = {each: getattr(home, each) for home in (stickslip, control) for each in home.__all__}
+KINDS = [kind for name, kind in PUBLIC.items() if inspect.isclass(kind) and name not in MADE]
+
+
+def wrong_arguments(kind):
+    """Arguments that a class does not have, has too many of, or lacks, and words of the refusal."""
+    parameters = inspect.signature(kind).parameters
+    known = f'known are "{next(iter(parameters))}"'
+    yield (kind, (), {"foo": 1}), ["foo = 1: there is no such ", known]
+    yield (kind, (None,) * 99, {}), [f"{kind.__name__}: too many positional arguments", known]
+    if any(each.default is each.empty for each in parameters.values()):
+        yield (kind, (), {}), [f"{kind.__name__}: missing a required ", known]
 
 
 def of_robot(_, given):
@@ -171,6 +200,7 @@ WAYS = {
     "file": of_file, "voltages": of_voltages, "class": of_class, "robot": of_robot,
     "fluid": of_fluid,
     "measured coil": of_measured_coil,
+    "arguments": lambda _, given: given[0](*given[1], **given[2]),
     "waveform": of_waveform, "pulses": of_pulses, "coils": of_coils, "hold": of_hold,
     "uncertain": of_uncertain,
     "uncertain file": of_uncertain_file,
@@ -324,13 +354,7 @@ REFUSALS = [
     ("class", ("Scenario", {"effects": {"surface_tilt": 3}}), "effects.surface_tilt = 3"),
     ("class", ("Scenario", {"effects": []}), "effects = []"),
     ("class", ("Scenario", {"contcat": 1}), ["Scenario: contcat = 1", 'did you mean "contact"?']),
-    *(
-        ("class", (name, {"foo": 1}), [f"{name}: foo = 1: there is no such argument", known])
-        for name, known in {
-            "Scenario": '"drive"', "Law": '"over"', "EffectParameter": '"low"', "Forces": '"rows"',
-            "JointPrior": '"priors"', "Waveform": '"blocks"', "Accelerations": '"rows"',
-        }.items()
-    ),
+    *(("arguments", given, words) for kind in KINDS for given, words in wrong_arguments(kind)),
     ("class", ("Prior", {"kind": "gaussian"}), ["kind of a prior", "normal"]),
     ("class", ("Prior", {"kind": "normal", "first": 1.0, "second": 0.0}), "sd = 0.0"),
     ("pulses", "OPP", 'mode = "OPP": allowed is none, as the voltages are those of IPP'),

@@ -160,7 +160,8 @@ REFUSALS = [
         ("field of no record", recorded(file, **{"record.fields": f"x,{name}"}), ScenarioError,
          [f'record.fields = "x, {name}": allowed is {name} only', words])
         for file in ("run.nc", "run.csv")
-        for name, words in {"event": "events", "heading": "turns", "inner_place": "mass"}.items()
+        for name, words in
+        {"event": "events", "heading": "drive.heading", "inner_place": "mass"}.items()
     ),
     ("no record for a file", recorded("run.nc", **{"record.rate": "none"}), ScenarioError,
      ['record.rate = "none"', "allowed with out"]),

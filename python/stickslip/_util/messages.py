@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import difflib
+import functools
+import inspect
 import itertools
 import math
 import numbers
 from collections.abc import Iterable, Mapping
 from os import PathLike
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeVar
 
 from stickslip._util.text import is_number, quoted
 from stickslip.errors import ScenarioError
+
+_T = TypeVar("_T")
 
 _LONGEST_SHOWN = 60  # characters of a value in an error; chosen: the error stays one line
 
@@ -111,3 +115,32 @@ def meant(word: object, known: Iterable[str]) -> str:
     """The probable name, for a sentence that lists all of `known`; "" if none is near."""
     near = nearest(word, known) if isinstance(word, str) else None
     return "" if near is None else f'; did you mean "{near}"?'
+
+
+def known_arguments(kind: type[_T]) -> type[_T]:
+    """Make a class refuse unknown arguments in one line, with the known ones."""
+    made: Any = kind.__init__
+
+    @functools.wraps(made)
+    def checked(self: _T, *values: Any, **named: Any) -> None:
+        try:
+            made(self, *values, **named)
+        except TypeError:  # looked at only here: what is right costs no time
+            _check_arguments(kind, values, named)
+            raise
+
+    kind.__init__ = checked  # type: ignore[assignment]
+    return kind
+
+
+def _check_arguments(kind: type, values: tuple[Any, ...], named: Mapping[str, Any]) -> None:
+    signature = inspect.signature(kind)
+    known = list(signature.parameters)
+    for name in (name for name in named if name not in known):
+        given = f"{kind.__name__}: {name} = {shown(named[name])}"
+        hint = suggestion(name, known)
+        raise ScenarioError(f"{given}: there is no such argument; {hint}") from None
+    try:
+        signature.bind(*values, **named)
+    except TypeError as error:
+        raise ScenarioError(f"{kind.__name__}: {error}; {suggestion('', known)}") from None

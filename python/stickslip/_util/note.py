@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from stickslip._util.messages import known_arguments
 from stickslip._util.text import printable
 
 
+@known_arguments
 @dataclass(frozen=True)
 class Note:
     """One note; ``str()`` gives its text.

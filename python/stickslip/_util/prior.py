@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip._util.arrays import Array
-from stickslip._util.messages import shown
+from stickslip._util.messages import known_arguments, shown
 from stickslip._util.text import is_number
 from stickslip.errors import ScenarioError
 
@@ -26,6 +26,7 @@ NUMBERS: dict[Literal["normal", "log-normal", "uniform", "log-uniform"], tuple[s
 }
 
 
+@known_arguments
 @dataclass(frozen=True, repr=False)
 class Prior:
     """A prior distribution of one parameter.

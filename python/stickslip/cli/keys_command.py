@@ -84,9 +84,11 @@ def having(word: str, meanings: dict[str, str]) -> list[str]:
     """
     if not word:
         return list(meanings)
+    one = re.sub("(?<=..)s$", "", re.sub("ies$", "y", word.casefold()))
+    forms = "|".join(map(re.escape, (word, one, f"{one}s", re.sub("y$", "ies", one))))
     for texts in ({name: name for name in meanings}, meanings):
-        for end in (r"s?(?![^\W_])", ""):
-            has = re.compile(rf"(?<![^\W_]){re.escape(word)}{end}", re.IGNORECASE)
+        for form in (rf"(?:{forms})(?![^\W_])", re.escape(word)):
+            has = re.compile(rf"(?<![^\W_]){form}", re.IGNORECASE)
             if names := [name for name, text in texts.items() if has.search(text)]:
                 return names
     return []

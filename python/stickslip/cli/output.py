@@ -51,7 +51,8 @@ def print_points(columns: Mapping[Any, Sequence[Any]]) -> None:
 
     table = pandas.DataFrame(columns)
     if is_long := len(table) > MOST_ROWS:
-        table = table.select_dtypes("number").agg(["min", "max"]).set_axis(["from", "to"])
+        say(f"{len(table)} points, too many to print: each column by itself; --out has them all")
+        table = table.select_dtypes("number").agg(["min", "max"]).set_axis(["lowest", "highest"])
     if not table.empty:
         shown = table.to_string(index=is_long, sparsify=False, float_format="%.6g")
         click.echo(f"{shown}\n")

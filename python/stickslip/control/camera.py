@@ -9,11 +9,12 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from stickslip._util.arrays import Array
-from stickslip._util.messages import check_above_zero, check_kind, refuse
+from stickslip._util.messages import check_above_zero, check_kind, known_arguments, refuse
 from stickslip._util.text import is_number
 from stickslip.errors import ScenarioError
 
 
+@known_arguments
 @dataclass(frozen=True, kw_only=True)
 class Camera:
     """Frames of place, pitch and heading: late, noisy, and some of them lost.

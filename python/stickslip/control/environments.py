@@ -21,6 +21,7 @@ from stickslip._util.messages import (
     check_above_zero,
     check_kind,
     check_whole,
+    known_arguments,
     refuse,
     shown,
     suggestion,
@@ -64,6 +65,7 @@ _CONTACT = STATE_COLUMNS.index("contact")
 _RESTS = [CONTACT_WORDS.index(name) for name in ("corner_stick", "face_stick")]
 
 
+@known_arguments
 class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
     """Robots that are stepped together in the core.
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip._util.arrays import Array, in_columns
-from stickslip._util.messages import check_above_zero, check_kind, check_whole
+from stickslip._util.messages import check_above_zero, check_kind, check_whole, known_arguments
 from stickslip.control.camera import Camera, Film
 from stickslip.control.path import COLUMNS, Path
 from stickslip.control.steering import check_within_coils, field_voltages, pulse_fields
@@ -28,6 +28,7 @@ _HEADINGS = np.radians([0.0, 45.0, 90.0, 180.0, -90.0])
 _PLACE = [STATE_COLUMNS.index("x"), STATE_COLUMNS.index("y")]
 
 
+@known_arguments
 class Follower:
     """Follows a path by the fields and coils of a scenario's drive; each pulse aims ahead.
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip._util.arrays import Array, in_columns, numbers
-from stickslip._util.messages import check_above_zero
+from stickslip._util.messages import check_above_zero, known_arguments
 from stickslip.errors import ScenarioError
 
 COLUMNS = "x", "y"
@@ -14,6 +14,7 @@ _BEHIND, _AHEAD = 0.2e-3, 0.6e-3  # chosen: m, where along the path a robot is l
 _SLACK = 1e-12  # m, rounding
 
 
+@known_arguments
 class Path:
     """A polyline along the surface.
 

@@ -121,7 +121,8 @@ class Optimum(OneLine):
     moves : int
         Moves to better neighbours.
     ended, agreeing : int
-        Starts of the search whose ends were compared, and those within 1 % of the best score.
+        Ends of the search, the centres of all strategies of the restarts that were not given up,
+        and those of them that are within the limits and 1 % of its best score.
     runs, seed : int
         Simulations of the search, and the seed of all draws.
     interrupted : bool
@@ -222,10 +223,11 @@ class Optimum(OneLine):
                 many = kind != "peak" and len(names) > _FEW  # they ask for no care
                 text = f"{len(names)} numbers" if many else ", ".join(names)
                 lines.append(f"  {'on a ' * (kind != 'at a limit')}{kind}: {text}")
-        if self.ended and self.agreeing < 2:  # no other start confirms it
+        is_of_search = self.origin == "search" and not self.moves
+        if is_of_search and self.agreeing < 2 <= self.ended:  # no other end confirms it
             lines.append(
-                f"{self.agreeing} of {self.ended} starts of the search ended within 1 % of the "
-                "best: another --seed may find a better drive"
+                f"{self.agreeing} of {self.ended} ends of the search are within 1 % of its best: "
+                "another --seed may find a better drive"
             )
         lines.append(f"{self.runs} runs of the search, seed {self.seed}, {self.seconds:.0f} s")
         return "\n".join(lines)
@@ -339,7 +341,8 @@ class Optimum(OneLine):
     def _draw_drive(self, volts: Axes, field: Axes) -> None:
         frequency = float(self.values.get("drive.frequency", self.start.drive.frequency))
         begin = max(self.scenario.window[1] - _PERIODS / frequency, 0.0)
-        record = {RECORD_RATE: _SAMPLES * frequency, "record.from": begin}
+        record: dict[str, Value] = {"record.fields": "all", "record.from": begin}
+        record[RECORD_RATE] = _SAMPLES * frequency
         run = simulate(self.scenario.replace(record))
         if run.ok:  # it may fail at the middle, which was none of the draws
             asked = drive_waveform(self.scenario)

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from stickslip import _core
 from stickslip._util.arrays import Array, in_columns, numbers
-from stickslip._util.messages import refuse
+from stickslip._util.messages import known_arguments, refuse
 
 AXES = (0, 0, 1, 1, 2)
 """Axis along which the field of each coil points at the origin, in the order of `COIL_NAMES`."""
@@ -22,6 +22,7 @@ class HasCoils(Protocol):
         """The scenario for the compiled core."""
 
 
+@known_arguments
 class Coils:
     """Five square coils around the origin; the frame is right-handed with z up.
 

@@ -19,7 +19,7 @@ from stickslip import _core
 from stickslip._util.arrays import Array, in_columns, numbers
 from stickslip._util.columns import read_table
 from stickslip._util.files import read_bytes
-from stickslip._util.messages import meant, refuse
+from stickslip._util.messages import known_arguments, meant, refuse
 from stickslip._util.recipes import Recipe
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.field.arrangement import check_arrangement
@@ -34,6 +34,7 @@ _RECIPE = Recipe.of(
 _MOST_JSON = 1 << 20  # bytes; chosen: ten times those of a map of the highest degree
 
 
+@known_arguments
 @dataclass(frozen=True)
 class FieldMap:
     """Field of the five coils per ampere in a box, as harmonics that were fitted to a measured map.

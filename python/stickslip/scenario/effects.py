@@ -9,9 +9,8 @@ from dataclasses import astuple, dataclass
 from typing import Any, NamedTuple
 
 from stickslip import _core
-from stickslip._util.messages import refuse, shown, suggestion
+from stickslip._util.messages import known_arguments, refuse, shown, suggestion
 from stickslip.errors import ScenarioError
-from stickslip.scenario.arguments import known_arguments
 from stickslip.scenario.keys import PREFIX, Key, keys_of, known_keys, until_registration
 
 UNSTATED = "not stated; registered by the user"

@@ -43,7 +43,7 @@ COIL_MAP = "coil.map"
 
 SECTIONS_BESIDE = {
     **{key: held.about for key, held in TABLES.items()},
-    "uncertain": 'a section with one line a key, such as "drag.linear" = { mean = 1e-5, sd = '
+    "uncertain": 'a section of priors, one line a key, such as "drag.linear" = { mean = 1e-5, sd = '
     "1e-6 }; in Python Scenario.with_uncertain; predict also takes --uncertain FILE",
 }
 """What sections without keys of a scenario are."""

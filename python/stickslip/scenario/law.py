@@ -7,10 +7,9 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from stickslip import _core
-from stickslip._util.messages import as_list, refuse, suggestion
+from stickslip._util.messages import as_list, known_arguments, refuse, suggestion
 from stickslip._util.text import is_number
 from stickslip.errors import ScenarioError
-from stickslip.scenario.arguments import known_arguments
 from stickslip.scenario.keys import LAWS, Value, find_key, set_value
 
 _KNOTS = 5

@@ -13,9 +13,9 @@ from numpy.typing import ArrayLike
 from stickslip import _core
 from stickslip._util.arrays import Array, in_columns
 from stickslip._util.columns import read_table
+from stickslip._util.messages import known_arguments
 from stickslip._util.recipes import Recipe
 from stickslip.errors import prefixed
-from stickslip.scenario.arguments import known_arguments
 
 _P = TypeVar("_P", bound="PlayedRows")
 

@@ -17,11 +17,10 @@ import numpy as np
 
 from stickslip import _core
 from stickslip._util.html import html_table
-from stickslip._util.messages import check_kind, check_whole
+from stickslip._util.messages import check_kind, check_whole, known_arguments
 from stickslip._util.toml import parse_toml
 from stickslip._util.units import handy
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.arguments import known_arguments
 from stickslip.scenario.changes import Changes
 from stickslip.scenario.effects import flat_effects
 from stickslip.scenario.held import OBJECTS

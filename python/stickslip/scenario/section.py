@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from typing import Any, ClassVar, TypeVar
 
 from stickslip import _core
-from stickslip._util.messages import shown, suggestion
+from stickslip._util.messages import known_arguments, shown, suggestion
 from stickslip.errors import ScenarioError
 from stickslip.scenario.changes import Changes
 from stickslip.scenario.held import OBJECTS, Held
@@ -55,6 +55,7 @@ class Section:
         cls.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
             [_parameter(k.field, k.default) for k in keys] + [_parameter(n, None) for n in others]
         )
+        known_arguments(cls)
 
     def __init__(self, **values: object) -> None:
         self._core, self._held = _core.Scenario(), {}

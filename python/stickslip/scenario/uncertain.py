@@ -9,10 +9,9 @@ from functools import cached_property
 import numpy as np
 
 from stickslip._util.arrays import Array, numbers
-from stickslip._util.messages import shown
+from stickslip._util.messages import known_arguments, shown
 from stickslip._util.prior import Prior
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.arguments import known_arguments
 from stickslip.scenario.keys import COIL_MAP, GEOMETRY, checked, find_key, full_name, known_keys
 
 _FORMS = "{ mean, sd }, { median, factor }, { min, max } (uniform) or { low, high } (log-uniform)"

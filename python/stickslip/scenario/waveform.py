@@ -18,11 +18,10 @@ from stickslip import _core
 from stickslip._util.arrays import Array, Mask, check_indexes, in_columns, locked, numbers
 from stickslip._util.columns import read_table
 from stickslip._util.files import replacing
-from stickslip._util.messages import check_above_zero, check_whole, refuse
+from stickslip._util.messages import check_above_zero, check_whole, known_arguments, refuse
 from stickslip._util.recipes import Recipe
 from stickslip._util.text import highest, is_number
 from stickslip.errors import ScenarioError
-from stickslip.scenario.arguments import known_arguments
 from stickslip.scenario.keys import COIL_NAMES
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import Coil, Drive

@@ -60,7 +60,9 @@ def _absent(scenario: Scenario) -> dict[str, str]:
     """The quantities that no record of a scenario has, and what would have them."""
     absent = {} if scenario.record.rate == "events" else {"event": 'with record.rate = "events"'}
     if not scenario.whole_plane:
-        absent |= dict.fromkeys(PLANE_COLUMNS, "of a robot that something turns or pushes across")
+        absent |= dict.fromkeys(
+            PLANE_COLUMNS, "of a robot that is turned or pushed across, as by drive.heading = 0.3"
+        )
     if scenario.inner.mass == 0.0:
         absent |= dict.fromkeys(INNER_COLUMNS, "of a robot with inner.mass above 0")
     return absent

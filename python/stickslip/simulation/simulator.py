@@ -5,13 +5,14 @@ from __future__ import annotations
 from typing import Any, Literal
 
 from stickslip import _core
-from stickslip._util.messages import check_kind
+from stickslip._util.messages import check_kind, known_arguments
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import State
 
 Hold = Literal["constant", "linear"]
 
 
+@known_arguments
 class Simulator(_core.Simulator):
     """A stepped run, for controllers and for training them.
 

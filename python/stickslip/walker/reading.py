@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from stickslip._util.arrays import Array
 from stickslip._util.columns import NothingSound, SourceTable, read_table, sound_numbers
 from stickslip._util.files import check_name
-from stickslip._util.messages import refuse, shown, suggestion
+from stickslip._util.messages import known_arguments, refuse, shown, suggestion
 from stickslip._util.note import Note
 from stickslip._util.prior import Prior
 from stickslip._util.recipes import Entry, Plausible, Recipe
@@ -72,6 +72,7 @@ _REQUIRED = {"velocity": ("velocity",), "tracking": tuple(REQUIRED), **_COLUMNS}
 Table = Mapping[str, Array]
 
 
+@known_arguments
 @dataclass(frozen=True, repr=False, eq=False)
 class Measurement(OneLine):
     """All that was measured, and what the experimenter believes.

@@ -23,9 +23,8 @@ from stickslip._util.arrays import (
     states_unit,
     unit_carried,
 )
-from stickslip._util.messages import refuse, shown
+from stickslip._util.messages import known_arguments, refuse, shown
 from stickslip._util.note import Note
-from stickslip._util.text import brief
 from stickslip._util.units import quantity_of, with_unit
 from stickslip.diagnosis.data.errors import FEWEST, Errors, freedom, of_one_meter
 from stickslip.diagnosis.data.outliers import (
@@ -70,6 +69,7 @@ LOST_SENSOR = "lost-sensor"
 _SAME = 1e-6  # of a step: times of a repeat that are the same
 
 
+@known_arguments
 class Series(Table):
     """Readings in time: one record, with what was put in.
 
@@ -119,10 +119,7 @@ class Series(Table):
         self.name, self.unit = str(name), unit
         self.repeat_of = repeat_of.name if isinstance(repeat_of, Series) else repeat_of
         if inputs is not None and not isinstance(inputs, Mapping):
-            raise ScenarioError(
-                f"{self.at}inputs = {brief(inputs)}: allowed are rows by name, such as "
-                '{"torque": [...]}'
-            )
+            refuse(f"{self.at}inputs", inputs, 'a table of rows, such as {"torque": [...]}')
         given = {str(key): values for key, values in (inputs or {}).items()}
         check_indexes(self.at, {"t": t, "y": y, "sd": sd, **given})
         times = row(f"{self.at}t", t, unit="s")
@@ -303,9 +300,7 @@ def with_repeats(series: Sequence[Series]) -> list[Table]:
         of = first.get(record.repeat_of)
         if of is None or of is record:
             names = ", ".join(name for name in first if name != record.name) or "no other record"
-            raise ScenarioError(
-                f"series {record.name}: repeat_of = {record.repeat_of}: allowed is {names}"
-            )
+            refuse(f"series {record.name}: repeat_of", record.repeat_of, names)
         _check_repeat(of, record)
         groups.setdefault(of.name, [of]).append(record)
     known: dict[str, Table] = {}

@@ -33,8 +33,9 @@ from stickslip._util.arrays import (
     row,
     states_unit,
 )
+from stickslip._util.messages import known_arguments, refuse
 from stickslip._util.note import Note
-from stickslip._util.text import brief, counted
+from stickslip._util.text import counted
 from stickslip._util.units import far_size, unit_label
 from stickslip.diagnosis.data.errors import estimate, no_finer_than_the_meter
 from stickslip.diagnosis.data.outliers import marks_of_none
@@ -64,6 +65,7 @@ READINGS = ""
 """Name of the readings among the columns of a table."""
 
 
+@known_arguments
 class Table:
     """Readings at settings. Rows with equal settings are repeats of one condition.
 
@@ -454,9 +456,7 @@ def stated_errors(what: str, sd: ArrayLike, count: int, unit: str) -> Array:
     """The stated error of each reading, shape (count,); NaN in gaps."""
     values = flat(numbers(what, sd, unit=unit, differences=True, gaps=True))
     if values.shape not in ((), (count,)) or not np.all(np.isnan(values) | (values > 0.0)):
-        raise ScenarioError(
-            f"{what} = {brief(sd)}: allowed is a number above 0, or {count} of them"
-        )
+        refuse(what, sd, f"a number above 0, or {count} of them")
     return np.broadcast_to(values, (count,))
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from stickslip._util.arrays import Array
-from stickslip._util.messages import refuse
+from stickslip._util.messages import known_arguments, refuse
 from stickslip._util.note import Note
 from stickslip._util.text import OneLine, printable
 from stickslip.diagnosis.data.signal import Signal
@@ -22,6 +22,7 @@ Acts = Callable[[Signal, dict[str, Array]], Signal]
 """How an input acts; see `Cause`."""
 
 
+@known_arguments
 @dataclass(frozen=True, repr=False, eq=False)
 class Cause(OneLine):
     """A term that may be added to a model.

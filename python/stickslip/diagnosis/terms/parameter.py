@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from stickslip._util.arrays import Array
-from stickslip._util.messages import refuse, shown
+from stickslip._util.messages import known_arguments, refuse, shown
 from stickslip._util.prior import Prior
 from stickslip._util.text import is_number
 from stickslip.errors import ScenarioError
@@ -26,6 +26,7 @@ _LARGEST_FACTOR = 1e3
 """By which a constant that is stated to a factor may be off, either way. Chosen: a wrong unit."""
 
 
+@known_arguments
 @dataclass(frozen=True)
 class Parameter:
     """A parameter by its prior, or an amplitude by its usual size.
