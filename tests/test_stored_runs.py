@@ -22,7 +22,6 @@ from own_effects import register, unregister
 from recorded_runs import COARSE, DENSE, ENDLESS, assert_same_record
 from stickslip import (
     Drive,
-    Note,
     Record,
     Scenario,
     ScenarioError,
@@ -185,17 +184,18 @@ def test_the_fields_of_a_record_are_one_value_however_they_are_written(tmp_path)
 
 def test_a_condition_that_was_never_met_is_a_note(tmp_path):
     scenario = Scenario(drive=Drive(base=0.5e-3, pulses=4), record=Record(rate=1e3))
-    note = "the condition x >= 1 was not met until the end of the run"
+    note = "the condition x >= 1 was not met until the end of the run at "
     for run in (
         simulate(scenario, until="x  >= 1"),
         simulate(scenario, until="x >= 1", out=tmp_path / "a.nc"),
         open_run(tmp_path / "a.nc"),
     ):
         assert (run.condition_met, run.condition) == (False, "x >= 1")
-        assert run.notes[0] == Note("condition-not-met", note)
-    assert note not in map(str, simulate(scenario, until="x >= 1e-6").notes)
+        assert run.notes[0].code == "condition-not-met"
+        assert run.notes[0].text.startswith(f"{note}{run.simulated_time:.6g} s")
     failed = simulate(scenario.replace({"solver.max_steps": 100}), until="x >= 1")
-    assert note not in map(str, failed.notes)
+    for run in (simulate(scenario, until="x >= 1e-6"), failed):
+        assert "condition-not-met" not in [each.code for each in run.notes]
 
 
 @pytest.fixture(scope="module")
