@@ -145,6 +145,22 @@ def test_a_constant_that_is_stated_far_off_is_named(stated):
     assert found["pull"] == pytest.approx((1.05 - stated) / 0.01, abs=10.0)
 
 
+def test_constants_of_which_data_tell_only_ratios_are_known_as_their_priors_tell():
+    # Nothing changes where all are larger by the same factor; dry friction bends the predictions.
+    def pushed(table, p):
+        force = p["gain"] * 5.0 * np.sin(table["t"])
+        return np.sign(force) * np.maximum(np.abs(force) - p["friction"], 0.0) / p["mass"]
+
+    parts, t = {"mass": 0.05, "gain": 0.04, "friction": 0.2}, np.linspace(0.0, 40.0, 2000)
+    constants = [Parameter(name, Prior("normal", 1.0, part)) for name, part in parts.items()]
+    y = pushed({"t": t}, dict.fromkeys(parts, 1.0)) + 3e-3 * np.random.default_rng(3).normal(
+        size=2000
+    )
+    found = diagnose_model(pushed, Table({"t": t}, y, sd=3e-3), constants, [])
+    expected = 1.0 / math.sqrt(sum(1.0 / part**2 for part in parts.values()))
+    assert found.params["sd"].tolist() == pytest.approx(3 * [expected], rel=1e-2)
+
+
 def test_a_constant_that_is_no_cause_is_not_named():
     slope = Parameter("slope", Prior("normal", 0.5, 0.01), cause=False)
     made = posed(data(), line, [slope, Parameter("level", LEVEL.prior)], [])

@@ -15,7 +15,7 @@ from stickslip.diagnosis.decision.verdict import Verdict, decide
 from stickslip.diagnosis.fitting.descent import finished
 from stickslip.diagnosis.fitting.law_forms import with_forms
 from stickslip.diagnosis.fitting.models import Fit, minimise, sharpened
-from stickslip.diagnosis.fitting.problem import Problem
+from stickslip.diagnosis.fitting.problem import FAR_OFF, Problem
 from stickslip.diagnosis.fitting.responses import responses
 from stickslip.diagnosis.fitting.search import Models, Progress, screened, search
 from stickslip.diagnosis.fitting.starts import recalibrated
@@ -23,7 +23,6 @@ from stickslip.diagnosis.fitting.starts import recalibrated
 # Draws about the recalibrated model that show its own noise, and their widths: a share of what the
 # data leave open, and at most so many standard deviations of the priors. Chosen: well within both.
 _DRAWS, _SHARE, _WIDEST = 24, 0.3, 0.02
-_FAR = 10.0  # standard deviations of a prior; chosen: no slip of an estimate is as large
 _BETTER = 1.0  # fall of the cost after which the recalibrated model is tested again
 
 
@@ -81,7 +80,7 @@ def moved_constants(findings: Findings) -> list[Note]:
     notes = []
     for k, constant in enumerate(findings.problem.constants):
         far = abs(fit.x[k])
-        if constant.is_stated and constant.name not in relaxed and far > _FAR:
+        if constant.is_stated and constant.name not in relaxed and far > FAR_OFF:
             text = f"{constant.name} is {far:.0f} of its stated errors from its stated value."
             notes.append(Note("constant-far", text, float(fit.x[k])))
     return notes

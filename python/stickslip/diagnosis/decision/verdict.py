@@ -31,6 +31,7 @@ from stickslip.diagnosis.decision.posterior import (
 )
 from stickslip.diagnosis.fitting.forms import HYPER
 from stickslip.diagnosis.fitting.models import Fit
+from stickslip.diagnosis.fitting.problem import FAR_OFF
 from stickslip.diagnosis.fitting.search import Models
 from stickslip.diagnosis.terms.amounts import p_text
 from stickslip.diagnosis.terms.cause import CauseNote
@@ -191,7 +192,11 @@ def _with_more(
     further = measured(models.problem, one, two)
     if further is None:  # too few parts to hold some out
         return _set(verdict, models, chance, reasons)
-    if further.certain and further.after <= (1.0 - SECOND) * further.before:
+    # Constants that are farther off than any estimate predict as well where they count as stated.
+    far = [cause.is_constant and abs(one.x[models.problem.at(cause)]) > FAR_OFF
+           for cause in whole.causes if cause.name not in member.names]  # fmt: skip
+    gains = further.certain and further.after <= (1.0 - SECOND) * further.before
+    if gains or (all_sure and all(far)):
         claimed = _claimed(verdict, models, test, whole, reasons) if all_sure else None
         return claimed or _set(verdict, models, chance, reasons)
     reasons += (_refused(whole, member, further),)

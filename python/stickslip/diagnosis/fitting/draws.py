@@ -6,9 +6,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import gammaln, logsumexp, ndtri
+from scipy.special import logsumexp, ndtri
 from scipy.stats import chi2 as chi2_law
-from scipy.stats import qmc
+from scipy.stats import multivariate_t, qmc
 
 from stickslip._util.arrays import Array
 from stickslip.diagnosis.fitting.forms import Form
@@ -75,10 +75,7 @@ def _drawn(
     prior = -0.5 * np.einsum("vi,ij,vj->v", points[inside], fit.precision, points[inside])
     prior += 0.5 * float(np.linalg.slogdet(fit.precision)[1]) + sides * math.log(2.0)
     prior -= 0.5 * k * math.log(2.0 * math.pi)
-    squares = np.sum(z[inside] ** 2, axis=1)
-    drawn_from = gammaln((_DOF + k) / 2) - gammaln(_DOF / 2) - 0.5 * k * math.log(_DOF * math.pi)
-    drawn_from -= float(np.sum(np.log(np.diag(lower))))
-    proposal = drawn_from - 0.5 * (_DOF + k) * np.log1p(squares / _DOF)
+    proposal = multivariate_t(middle, lower @ lower.T, _DOF).logpdf(points[inside])
     weights = form.density(residual, fit.h) + prior - proposal
     log_evidence = float(logsumexp(weights)) - math.log(COUNT)
     weight = np.exp(weights - np.max(weights))

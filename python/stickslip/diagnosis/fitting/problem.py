@@ -33,6 +33,9 @@ RELAXED = (10.0, 100.0)
 mean over them. Chosen: an error of several stated standard deviations does not surprise, nor does a
 slip of the pen."""
 
+FAR_OFF = 10.0
+"""Coordinate beyond which a stated constant is wrong. Chosen: no estimate is as far off."""
+
 LOST = 1e3
 """Residual, in errors, of a row that the model cannot compute. Chosen: far beyond any residual of a
 usable model, and its square still leaves ten digits to the other rows."""
