@@ -266,9 +266,12 @@ def test_a_heater_needs_the_temperature_of_the_ambient():
     with pytest.raises(ScenarioError, match="ambient is missing, and readings in degC are between"):
         HEATER.terms(Series(T, 20.0 + T, {"power": T}, unit="degC"))
     # What its log says agrees: nothing is taken that is then asked for.
+    columns = {"t (s)": T, "power (W)": T, "room (degC)": 20.0 + 0.0 * T}
     for far in (0.0, 20.0):
-        log = models.read_log({"t (s)": T, "body (degC)": far + T, "power (W)": T}, HEATER)
+        log = models.read_log({**columns, "temperature (degC)": far + T}, HEATER)
         assert any(each.code == "no-input" for each in log.own_notes) == (far == 0.0)
+    with pytest.raises(ScenarioError, match=r'it. If "room \(degC\)" .* "ambient \(degC\)"$'):
+        HEATER.terms(log)
     with pytest.raises(ScenarioError, match="ambient is missing, and readings are between -27"):
         HEATER.terms(Series(T, -25.0 - T, {"power": T}))
     kelvins = {"power": T, "ambient": 293.0 + 0.0 * T}

@@ -710,13 +710,24 @@ def test_a_constant_reaches_all_of_its_range(known):
 
 @pytest.mark.parametrize("capacity", [Prior("uniform", 0.0, 1e5), Prior("log-uniform", 10.0, 1e6)])
 @pytest.mark.parametrize("loss", [1.5, Prior("log-uniform", 0.1, 10.0)])
-def test_a_usual_size_is_of_the_record_and_not_of_the_middle_of_a_range(capacity, loss):
-    t, power = 20.0 * np.arange(200), np.where(np.arange(200) // 40 % 2, 5.0, 40.0)
+@pytest.mark.parametrize(("step", "still"), [(20.0, 0), (20.0, 2000), (1e7, 0)])
+def test_a_usual_size_is_of_the_record_and_not_of_the_middle_of_a_range(
+    capacity, loss, step, still
+):
+    k = np.arange(200 + still) - still
+    t, power = step * (k + still), np.where(k < 0, 0.0, np.where(k // 40 % 2, 5.0, 40.0))
     true = models.thermal(capacity=400.0, loss=1.5, ambient=20.0, start_temperature=22.0)
-    log = Series(t, true.simulate(t, {"power": power}), {"power": power}, sd=0.1)
-    causes = models.thermal(capacity=capacity, loss=loss, ambient=20.0).terms(log)[1]
-    (wall,) = (each.parameters[0].size for each in causes if each.name == "wall_capacity")
-    assert 400.0 / 5.0 < wall < 400.0 * 5.0
+    y = true.simulate(t, {"power": power}) + 0.1 * random(5).standard_normal(len(t))
+    log = Series(t, y, {"power": power}, sd=0.1)
+
+    def wall(known):
+        causes = models.thermal(capacity=known, loss=loss, ambient=20.0).terms(log)[1]
+        return next(each.parameters[0].size for each in causes if each.name == "wall_capacity")
+
+    if step < 1e7:
+        assert 400.0 / 4.0 < wall(capacity) / wall(1.0) < 400.0 * 4.0
+    else:  # no capacity is seen beside another
+        assert wall(capacity) == pytest.approx(wall(float(capacity.value(0.0))))
 
 
 def test_what_is_stated_is_a_constant_and_what_is_not_is_a_cause():

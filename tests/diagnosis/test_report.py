@@ -99,9 +99,12 @@ def test_constants_that_moved_or_had_a_range_are_in_the_text(rough, none):
     for told in (rough, none):
         numbers = numbers_of(told)
         row = numbers["recalibrated"]["level"]
+        error = row["sd_extended" if numbers["claimed"] else "sd"]
+        assert error == told.params.loc["level", "sd"]
+        size = amounts.amount(told.params.loc["level", "value"], error, "V")
         for pull, stated, shown in ((0.9, 1.0, False), (-1.1, 1.0, True), (0.1, None, True)):
             row |= {"pull": pull, "pull_extended": pull, "stated": stated}
-            assert ("level = " in summary_text(numbers, told.problem.words)) == shown
+            assert (f"level = {size} (" in summary_text(numbers, told.problem.words)) == shown
 
 
 def test_a_size_says_whether_its_interval_has_zero_and_a_constant_what_was_stated(rough):
@@ -113,6 +116,21 @@ def test_a_size_says_whether_its_interval_has_zero_and_a_constant_what_was_state
         told = text, page(numbers, figures_of(rough), rough.problem.words)
         assert all(("not told from 0" in each) == (low < 0.0) for each in told)
         assert (" V, stated 7 V," in text) == (stated is not None)
+
+
+def test_a_size_that_models_of_a_set_share_says_whose_it_is_and_what_is_cut_is_counted(results):
+    result = results["ambiguous"]
+    numbers = numbers_of(result)
+    rows, chance = numbers["parameters"], result.chance
+    first = next(each for each in chance.fits if "bump" in each.names)
+    assert rows["bump.height"]["models"] == [
+        each.name for each in result.verdict.members if "bump" in each.names]  # fmt: skip
+    assert rows["bump.height"]["models"][0] == first.name
+    text = summary_text(numbers, result.problem.words)
+    assert f"bump.height (model {first.name}) = " in text
+    assert "more in the report" not in text
+    numbers["parameters"] = {f"{k}": rows["bump.height"] for k in range(8)}
+    assert "and 2 more in the report" in summary_text(numbers, result.problem.words)
 
 
 def words_of(value, names):

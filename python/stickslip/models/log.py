@@ -109,8 +109,7 @@ class _Log(Recipe):
         wanted = getattr(model, "columns", None)
         if not isinstance(wanted, Columns):
             raise ScenarioError(f"model = {shown(model)}: allowed is a model of stickslip.models")
-        kind = getattr(model, "kind", None)
-        reads = tuple(getattr(kind, "reads", ()))
+        reads = tuple(getattr(getattr(model, "kind", None), "reads", ()))
         entries = {name: Entry(units[0], (*_ALSO.get(name, ()), *wanted.also.get(name, ())))
                    for name, units in wanted.units.items()}  # fmt: skip
         return _Log(entries, gaps=marks_of_none, wanted=wanted, also_reads=reads)
@@ -185,8 +184,7 @@ class _Log(Recipe):
                 )
 
     def _missing(self, name: str, there: Sequence[_Heading]) -> NoReturn:
-        units = self.wanted.units
-        unit = units[name][0]
+        unit = self.wanted.units[name][0]
         have = ", ".join(shown(each.text) for each in there)
         other = next((each for each in self.also_reads if each != name for heading in there
                       if plain(heading.bare) == plain(each)), None)  # fmt: skip
@@ -209,20 +207,20 @@ class _Log(Recipe):
             heading = _Heading.of(column.what.heading)
             named = {plain(name), *self.entries[name].also}
             if named.isdisjoint({plain(heading.name), plain(heading.bare)}):
-                text = f"{shown(heading.text)} is taken for {name}."
-                notes.append(Note("column-by-unit", text))
+                notes.append(Note("column-by-unit", f"{shown(heading.text)} is taken for {name}."))
         others = [_Heading.of(text) for text in table.others]
         first = next(iter(self.wanted.inputs), None)
         for name, units in self.wanted.inputs.items():
             idle = name == first and not table.known.keys() & {*self.wanted.drives}
             if name not in table.known and (idle or name in self.wanted.assumed):
-                value = self.wanted.assumed.get(name) or 0.0
-                text = f"There is no column {name}: it is taken as {value:g}."
-                fit = [shown(each.text) for each in others
+                text = f"it is taken as {self.wanted.assumed.get(name) or 0.0:g}."
+                notes.append(Note("no-input", f"There is no column {name}: {text}"))
+                fit = [each for each in others
                        if (each.unit is None and name == first) or each.fits(units)]  # fmt: skip
                 if fit:
-                    text += f' If {" or ".join(fit)} is the {name}, call it "{name} ({units[0]})".'
-                notes.append(Note("no-input", text))
+                    heads, unit = " or ".join(shown(each.text) for each in fit), fit[0].unit
+                    text = f'If {heads} is the {name}, call it "{name} ({unit or units[0]})".'
+                    notes.append(Note("other-name", text))
         for each in others:
             if plain(each.name) == "error":
                 text = f"Column {shown(each.text)} is not used, as it may be a set point less a "
@@ -308,9 +306,8 @@ def read_log(path: str | PathLike[str] | Any, model: object) -> Series:
     values = _readings(table, wanted, notes)
     notes += told
     _check_clock(table, t)
-    bare = [name for name, column in table.known.items()
-            if column.what.unit is None and name != _ERROR
-            and not (name == _TIME and stated)]  # fmt: skip
+    bare = [name for name, column in table.known.items() if column.what.unit is None
+            and name != _ERROR and (name != _TIME or not stated)]  # fmt: skip
     needed = [f"{name} in {wanted.units[name][0]}" for name in bare
               if name == wanted.reads or {"-", "K"}.isdisjoint(wanted.units[name])]  # fmt: skip
     if needed:
@@ -399,9 +396,7 @@ def _whole_rows(
     """Rows that have a time and all inputs, with their times; the last one may be cut off."""
     columns, count = table.columns, len(table)
     strict = {_TIME: t} | {name: columns[name].values for name in wanted.inputs if name in columns}
-    gap = np.zeros(count, dtype=bool)
-    for values in strict.values():
-        gap |= ~np.isfinite(values)
+    gap = ~np.all(np.isfinite([*strict.values()]), axis=0)
     gap[list(table.ragged)] = True
     if count > 1 and gap[-1]:
         notes.append(
@@ -428,13 +423,11 @@ def _check_fast(table: SourceTable, t: Array, model: Any) -> None:
     if not middles or len(t) < 2:
         return
     sizes = {name: abs(value) for name, value in middles.items()
-             if getattr(model.known[name], "has_middle", True)}  # fmt: skip
-    terms, lasts = model.kind.every, list[float]()
-    for one, other in itertools.permutations(sizes, 2):
-        if sizes[one] and sizes[other]:
-            for unit, power in (("s", 1.0), ("s^2", 0.5)):
-                if is_quotient(terms[one].unit, terms[other].unit, unit):
-                    lasts.append((sizes[one] / sizes[other]) ** power)
+             if value and getattr(model.known[name], "has_middle", True)}  # fmt: skip
+    terms, powers = model.kind.every, (("s", 1.0), ("s^2", 0.5))
+    lasts = [(sizes[one] / sizes[other]) ** power
+             for one, other in itertools.permutations(sizes, 2) for unit, power in powers
+             if is_quotient(terms[one].unit, terms[other].unit, unit)]  # fmt: skip
     step = float(np.median(np.diff(t)))
     if lasts and max(lasts) < _FAST * step:
         name = table.columns[_TIME].what.heading

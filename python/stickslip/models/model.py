@@ -41,7 +41,9 @@ noise of a dense log counts little there, and what is faster is rarely asked."""
 _LEAST = 1e-3  # of its middle: a constant above zero; chosen, a wrong unit
 _FAR = 100.0  # from all readings, K, beyond which no temperature is likely; chosen: wide
 _COARSE_STEP = 0.02  # of a lag, beyond which a step of the log is told beside it; chosen
-_TRIED = 64  # values of ranges, of which the usual sizes have the best; chosen: 18 % of 5 decades
+_TRIED, _NEARER = 256, 21  # values of all ranges, and from the best to a middle; chosen: cheap
+_BEGINNINGS = 1000, 3000, 9000  # readings for that, with half of what happens; chosen: 0.1 s
+_CLEAR = 0.05  # of what the middles leave: evidence against a value; chosen: little of a log
 _ABOVE, _BELOW = 1.2, 0.1  # where limits act: of the largest input; chosen, as for `clipping`
 
 
@@ -111,12 +113,10 @@ class Term:
         low, high = -LARGEST_ERROR * size if self.signed else 0.0, LARGEST_ERROR * size
         if self.falls:
             low, high, size = _BELOW * size, _ABOVE * size, _BELOW * _ABOVE * size
-        strength = Parameter(
-            self.name, None, self.unit, low, high, size, self.absent or 0.0, self.falls
-        )
+        one = Parameter(self.name, None, self.unit, low, high, size, self.absent or 0.0, self.falls)
         shape = self.shape
         more = () if shape is None or shape.name in known else (shape.ranged(scales),)
-        return Cause(self.name, (strength, *more), self.meaning)
+        return Cause(self.name, (one, *more), self.meaning)
 
 
 @dataclass(frozen=True)
@@ -202,10 +202,8 @@ class Kind:
         """All terms, with shapes and start states, by name."""
         shapes = (term.shape for term in self.terms if term.shape is not None)
         more = "one for each record is found, if not stated"
-        starts = (
-            Term(name, unit, "at the first reading", signed=True, value=0.0, more=more)
-            for name, unit in self.states
-        )
+        starts = (Term(name, unit, "at the first reading", signed=True, value=0.0, more=more)
+                  for name, unit in self.states)  # fmt: skip
         return {term.name: term for term in (*self.terms, *shapes, *starts)}
 
 
@@ -246,11 +244,10 @@ class Model(OneLine):
             value = p[name][:, 0] if name in p else term.absent if stated is None else stated
             values[name] = np.broadcast_to(np.asarray(value, dtype=float), vectors)
         values["step"] = np.full(vectors, record.step)
-        acts, late = {}, {}
-        for name, signal in signals.items():
-            rows = np.vstack([signal.first, signal.values.T])
-            acts[name] = np.broadcast_to(rows, (len(rows), vectors))
-            late[name] = np.broadcast_to(signal.late, vectors)
+        shape = 1 + len(record.t), vectors
+        acts = {name: np.broadcast_to(np.vstack([each.first, each.values.T]), shape)
+                for name, each in signals.items()}  # fmt: skip
+        late = {name: np.broadcast_to(each.late, vectors) for name, each in signals.items()}
         inputs = Inputs(record.t[:, None], acts, late, self.smooth)
         with np.errstate(all="ignore"):
             states = self.kind.physics(record.t, inputs, values)
@@ -300,8 +297,7 @@ class Model(OneLine):
         self._check_names(values)
         record = Series(t, np.zeros(np.shape(np.asarray(t))), inputs, sd=1.0)
         self._check_record(record)
-        given = self.middles | values
-        p = {name: row(name, [value])[:, None] for name, value in given.items()}
+        p = {name: row(name, [each])[:, None] for name, each in (self.middles | values).items()}
         return np.asarray(self(record, p)[0])
 
     def terms(self, data: Any) -> tuple[list[Parameter], list[Cause]]:
@@ -314,9 +310,7 @@ class Model(OneLine):
         """
         kind = self.kind
         records = data if isinstance(data, Sequence) else [data]
-        if not records:
-            raise ScenarioError(f"{kind.name}: data = []: allowed is a Series or a list of them")
-        for record in records:
+        for record in records or [data]:
             self._check_record(record)
             for name in record.inputs.keys() & self.known.keys():
                 raise ScenarioError(
@@ -337,10 +331,9 @@ class Model(OneLine):
                 uncertain.append(term.shape.ranged(scales))
         acting = set.intersection(*(set(record.inputs) for record in records))
         # A free start undoes a wrong zero of a place on which nothing depends.
-        first = kind.states[0][0]
         placed = kind.placed & {*(cause.name for cause in causes), *self.known}
         free = len(kind.states) > 1 and kind.reads[self.reads][1] == 0
-        undone = free and not placed and first not in self.known
+        undone = free and not placed and kind.states[0][0] not in self.known
         held = bool(acting) and not self.smooth
         causes += [sensor.cause(scales, self.unit, held) for sensor in kind.sensors
                    if (sensor.input is None or sensor.input in acting)
@@ -384,12 +377,11 @@ class Model(OneLine):
         command = self.kind.command or (lambda record, _: record.inputs.get(first, np.zeros(0)))
         acts = np.concatenate([*(command(record, made) for record in records), np.zeros(0)])
         acts = acts if len(acts) else np.zeros(1)
-        made |= {"reading": size}
         if self.kind.reads[self.reads][1] == 1:
             made |= {"length": size**2 / change, "speed": size, "acceleration": change}
         else:
             made |= {"length": size, "speed": change, "acceleration": change**2 / size}
-        made |= {"input": root_mean_square(acts), "peak": float(np.max(np.abs(acts)))}
+        made |= {"reading": size, "input": root_mean_square(acts), "peak": float(abs(acts).max())}
         made["step"] = max(record.step for record in records)
         fastest = made[("speed", "acceleration")[len(self.kind.states) - 1]]
         made["force"] = max(
@@ -407,19 +399,37 @@ class Model(OneLine):
         return made
 
     def _in_ranges(self, records: Sequence[Series]) -> dict[str, float]:
-        """Constants of which only a range is known, where the model is most like the readings."""
+        """Constants of which only a range is known, where the model is most like the readings.
+
+        Each as near its middle as is nearly as likely, as it may change no reading.
+        """
         ranges = {name: prior for name, prior in self.known.items()
                   if isinstance(prior, Prior) and not prior.has_middle}  # fmt: skip
         if not ranges:
             return {}
+        p = {name: np.array([[value]]) for name, value in self.middles.items()}
+        start, shorts = self.kind.states[self.kind.reads[self.reads][1]][0], []
+        for record in records:
+            rows = np.array([record.y, *record.inputs.values()])
+            enough = (n for n in _BEGINNINGS if np.all(2.0 * rows[:, :n].std(1) >= rows.std(1)))
+            shorts.append(record.first_readings(next(enough, _BEGINNINGS[-1])))
+
+        def left(z: Array) -> Array:  # each from its first reading, and up to a wrong zero
+            tried = {name: ranges[name].value(z[:, [k]]) for k, name in enumerate(ranges)}
+            made = (self(each, {start: each.y[None, :1], **p, **tried}) - each.y for each in shorts)
+            square = np.sum([np.var(each, axis=1) for each in made], axis=0)
+            return np.where(np.isfinite(square), square, math.inf)
+
         z = ndtri(Halton(len(ranges), scramble=False).random(_TRIED))
-        tried = {name: ranges[name].value(z[:, [k]]) for k, name in enumerate(ranges)}
-        p = {name: np.array([[value]]) for name, value in self.middles.items()} | tried
-        start, left = self.kind.states[self.kind.reads[self.reads][1]][0], np.zeros(_TRIED)
-        for record in records:  # each from its first reading, and up to a wrong zero
-            left += np.var(record.y - self(record, {start: record.y[None, :1], **p}), axis=1)
-        best = int(np.argmin(np.where(np.isfinite(left), left, math.inf)))
-        return {name: float(values[best, 0]) for name, values in tried.items()}
+        z[0] = 0.0  # the middles
+        of_all = left(z)
+        best, least = z[np.argmin(of_all)], float(of_all.min())
+        likely = least + min(least, _CLEAR * of_all[0])
+        for k in range(len(ranges)):
+            nearer = np.tile(best, (_NEARER, 1))
+            nearer[:, k] *= np.linspace(0.0, 1.0, _NEARER)
+            best = nearer[np.argmax(left(nearer) <= likely)]
+        return {name: float(ranges[name].value(best[k])) for k, name in enumerate(ranges)}
 
     def _check_record(self, record: Any) -> None:
         unit, known = self.unit, self.kind.inputs
@@ -449,9 +459,10 @@ class Model(OneLine):
         shift = zero_of("degC") if record.unit == "K" else -zero_of("degC")
         for name in (term.name for term in self.kind.terms if term.unit == "K"):
             if name not in {*record.inputs, *self.known} and not is_near(record.y, 0.0):
+                more = "".join(f". {one}" for one in record.own_notes if one.code == "other-name")
                 raise ScenarioError(
                     f"{record.at}{name} is missing, and {seen}: allowed is {name} as a number or a "
-                    "column, 0 where readings are counted from it"
+                    f"column, 0 where readings are counted from it{more.rstrip('.')}"
                 )
             stated = float(np.median(record.inputs.get(name, self.middles.get(name, 0.0))))
             likely, far = stated + shift, not is_near(record.y, stated, _FAR)
@@ -501,10 +512,9 @@ def _checked(at: str, given: object) -> float | Prior:
         return given
     if is_number(given) and math.isfinite(given):
         return float(given)
-    if isinstance(given, tuple) and len(given) == 2:
-        with prefixed(at):
-            return Prior("normal", *given)
     with prefixed(at):
+        if isinstance(given, tuple) and len(given) == 2:
+            return Prior("normal", *given)
         prior = Prior.of_table(given) if isinstance(given, Mapping) else None
     if prior is not None:
         return prior
@@ -514,6 +524,5 @@ def _checked(at: str, given: object) -> float | Prior:
 def _slopes(record: Series) -> Array:
     """Slopes over the parts of a record."""
     at = np.unique(np.linspace(0, len(record) - 1, min(_COARSE, len(record))).astype(int))
-    if len(at) < 2:
-        return np.zeros(1)
-    return np.asarray(np.diff(record.y[at]) / np.diff(record.t[at]))
+    slopes = np.diff(record.y[at]) / np.diff(record.t[at])
+    return slopes if len(at) > 1 else np.zeros(1)

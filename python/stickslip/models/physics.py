@@ -118,8 +118,7 @@ def _moved(inputs: Inputs, t: Array, values: _Named, inertia: str, force: Array)
     if "pivot" in inputs.values:
         c["swing"] = none + 1.0
     start = [values["start_position"], values["start_speed"]]
-    acts = {next(iter(inputs.late), ""): force / whole}
-    return _states("motion", c, start, t, inputs, acts)
+    return _states("motion", c, start, t, inputs, {next(iter(inputs.late), ""): force / whole})
 
 
 def joint_states(t: Array, inputs: Inputs, values: _Named) -> Array:

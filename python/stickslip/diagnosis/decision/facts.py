@@ -143,9 +143,8 @@ class Facts:
         """
         self._refuse_without_models("candidate")
         names = frozenset(word.strip() for word in str(name).split("+")) - {"none"}
-        claimed = () if self.verdict.fit is None else (self.verdict.fit,)
-        for fit in (*claimed, *self.chance.fits):
-            if fit.names == names:
+        for fit in (self.verdict.fit, *self.chance.fits):
+            if fit and fit.names == names:
                 return Candidate(fit, self.findings.models)
         hint = meant(name, [fit.name for fit in self.chance.fits])
         text = f"candidate({printable(repr(name))}): no such model was fitted; compare() has all"
@@ -306,7 +305,7 @@ class Facts:
             model, of a set all members, a column with what it predicts and one with its sd. None
             where there is nothing to separate.
         """
-        candidates, pairs = self._rivals(every_member=True)
+        candidates, pairs = self._rivals[True]
         if not pairs:
             return None
         import pandas as pd
@@ -407,7 +406,12 @@ class Facts:
             raise ScenarioError("predict: this model was given without a way to new conditions")
         return np.asarray(self.forward(at, candidate.values()))
 
-    def _rivals(self, every_member: bool) -> tuple[list[Candidate], list[tuple[int, int]]]:
+    @cached_property
+    def _rivals(self) -> dict[bool, tuple[list[Candidate], list[tuple[int, int]]]]:
+        """`_told_apart` with every member of a set and without."""
+        return {every: self._told_apart(every) for every in (True, False)}
+
+    def _told_apart(self, every_member: bool) -> tuple[list[Candidate], list[tuple[int, int]]]:
         """Models to tell apart, and which of them from which.
 
         A claim from those that come next; the members of a set, perhaps all, from one another.
@@ -445,7 +449,7 @@ class Facts:
         return self._proposed(design.PROPOSED)
 
     def _proposed(self, count: int) -> list[design.Experiment]:
-        candidates, pairs = self._rivals(every_member=False)
+        candidates, pairs = self._rivals[False]
         proposals = self.rivals.proposals() if pairs else None
         if proposals is None:
             return []

@@ -67,9 +67,8 @@ class Posterior(OneLine):
 
     def among_small(self, fit: Fit) -> float:
         """Probability of a model among those with as many causes at most."""
-        small = [each for each in self.fits if len(each.causes) <= len(fit.causes)]
-        whole = math.fsum(self.models[each.name] for each in small)
-        return self.models[fit.name] / max(whole, 1e-300)
+        small = (self.models[one.name] for one in self.fits if len(one.causes) <= len(fit.causes))
+        return self.models[fit.name] / max(math.fsum(small), 1e-300)
 
 
 def _ordered(chances: Mapping[_Key, float]) -> list[_Key]:
@@ -109,8 +108,7 @@ def cosine_of_swap(models: Models, one: Fit, other: Fit) -> float:
     parameters can undo.
     """
     shared = models.get(one.names & other.names) or models.null
-    apart = (shared.residual - fit.residual for fit in (one, other))
-    return cosine(models.problem, shared, *apart)
+    return cosine(models.problem, shared, *(shared.residual - fit.residual for fit in (one, other)))
 
 
 def cosine(problem: Problem, base: Fit, one: Array, other: Array) -> float:

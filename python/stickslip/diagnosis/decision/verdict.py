@@ -230,8 +230,7 @@ def _refused(whole: Fit, member: Fit, further: Gain) -> Note:
         text += f" only; a {number} cause needs {100.0 * SECOND:.0f} %."
     else:
         text += ", which may be chance: the 95 % interval includes zero."
-    causes = (*others, *sorted(member.names))
-    return CauseNote("second-cause-predicts-nothing", text, causes, fall)
+    return CauseNote("second-cause-predicts-nothing", text, (*others, *sorted(member.names)), fall)
 
 
 def _claimed(

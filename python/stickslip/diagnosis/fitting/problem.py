@@ -315,10 +315,8 @@ class Problem(OneLine):
     @cached_property
     def log_dets(self) -> list[float]:
         """Logarithm of the determinant of the errors' covariance of each table."""
-        sizes = [
-            self.sd[part] if lower is None else np.diag(lower)
-            for part, lower in zip(self.rows, self._lower, strict=True)
-        ]
+        sizes = (self.sd[part] if lower is None else np.diag(lower)
+                 for part, lower in zip(self.rows, self._lower, strict=True))  # fmt: skip
         return [2.0 * float(np.sum(np.log(size))) for size in sizes]
 
     @property

@@ -29,7 +29,7 @@ _STANDS_OUT, _A_WORD, _ONE_SIDED, _ENDS, _MOST_OF_IT = 4.0, 2.0, 0.9, 21, 0.5
 class Numbers(TypedDict):
     recalibrated: dict[str, dict[str, Any]]
     """By uncertain parameter its prior in words (`before`), `stated`, `value`, `sd`, `low`,
-    `high`, `pull`, and `extended` and `pull_extended` in the extended model."""
+    `high`, `pull`, and `extended`, `sd_extended` and `pull_extended` in the extended model."""
     moved: dict[str, Any] | None
     """The constant that the recalibrated model moved farthest: `name`, `title`, `pull`; or null."""
     misfit: list[dict[str, Any]]
@@ -56,8 +56,8 @@ def _constants(facts: Facts) -> Rows:
     rows = rows_of(facts, facts.recalibrated)
     extended = facts.best.params.to_dict("index") if facts.verdict.fit is not None else {}
     for name, row in rows.items():
-        other = extended.get(name, {})
-        row |= {"extended": other.get("value"), "pull_extended": other.get("pull")}
+        value, sd, pull = (extended.get(name, {}).get(key) for key in ("value", "sd", "pull"))
+        row |= {"extended": value, "sd_extended": sd, "pull_extended": pull}
     return rows
 
 

@@ -33,8 +33,9 @@ Rows = dict[str, dict[str, Any]]
 class Numbers(TypedDict):
     parameters: Rows
     """Parameters of the cause by name, such as `surface_tilt.angle`: `value`, `sd`, `low` and
-    `high` (95 %), `unit`, `prior`, `pull`, `title`, and the prior in words (`before`). For
-    `ambiguous` those of each model of the set; empty for `unexplained`."""
+    `high` (95 %), `unit`, `prior`, `pull`, `title`, the prior in words (`before`), and whether
+    its middle is no effect, 0 (`about_zero`). For `ambiguous` those of each model of the set: of
+    the `models` with a parameter those of the first; empty for `unexplained`."""
     claimed: list[dict[str, Any]]
     """The models of the verdict in words, each with its `probability` and `causes`."""
     leader: dict[str, Any] | None
@@ -53,14 +54,14 @@ class Numbers(TypedDict):
 
 def numbers(facts: Facts) -> Numbers:
     verdict = facts.verdict
-    fits = [fit for fit in (verdict.members if verdict.kind == "ambiguous" else [verdict.fit])
-            if fit is not None and fit.causes]  # fmt: skip
-    members = [Candidate(fit, facts.findings.models) for fit in fits]
+    fits = verdict.members if verdict.kind == "ambiguous" else [verdict.fit]
+    members = [Candidate(fit, facts.findings.models) for fit in fits if fit and fit.causes]
     parameters: Rows = {}
     for candidate in members:
         rows = rows_of(facts, candidate)
         for name in (name for cause in candidate.fit.causes for name in cause.names):
-            parameters.setdefault(name.removeprefix("effects."), rows[name])
+            row = parameters.setdefault(name.removeprefix("effects."), rows[name])
+            row.setdefault("models", []).append(candidate.name)
     return {
         "parameters": parameters,
         "claimed": [_claim(facts, candidate) for candidate in members],
@@ -74,14 +75,15 @@ def rows_of(facts: Facts, candidate: Candidate) -> Rows:
     """The parameters of a candidate by full name, with 95 % and their words."""
     ends, words = candidate.interval(0.95).to_dict("index"), facts.words
     known = {parameter.name: parameter for parameter in facts.problem.parameters}
-    rows: Rows = {
-        name: {**row, **ends[name], "before": words.before(known[name]),
-               "title": words.parameter(name)}
-        for name, row in candidate.params.to_dict("index").items()
-    }  # fmt: skip
+    rows: Rows = {}
+    for name, row in candidate.params.to_dict("index").items():
+        one = known[name]
+        rows[name] = {
+            **row, **ends[name], "before": words.before(one), "title": words.parameter(name),
+            "about_zero": one.is_amplitude and not one.falls and one.absent == 0.0,
+        }  # fmt: skip
     for constant in facts.problem.constants:
-        stated = float(constant.value(np.zeros(1))[0]) if constant.is_stated else None
-        rows[constant.name]["stated"] = stated
+        rows[constant.name]["stated"] = constant.middle if constant.is_stated else None
     return rows
 
 
@@ -156,8 +158,7 @@ def _left(facts: Facts, candidate: Candidate) -> list[str]:
     """The rest beside a cause, and the errors of readings, a text for each table."""
     left, texts, problem = candidate.left, [], facts.problem
     for table, part, name, title, _ in problem.parts:
-        size = left.get("size", {}).get(name, 0.0)
-        if size == 0.0:
+        if not (size := left.get("size", {}).get(name, 0.0)):
             continue
         factor, unit = table.shown_unit(0)
         text = f"{amounts.number(size * factor, 2)} {unit}".rstrip()
