@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import logsumexp, ndtri
+from scipy.special import logsumexp, ndtri, softmax
 from scipy.stats import chi2 as chi2_law
 from scipy.stats import multivariate_t, qmc
 
@@ -43,14 +43,13 @@ def drawn(problem: Problem, form: Form, fit: Fit, seed: int) -> Draws | None:
     """
     if not len(fit.free) or np.any(np.diag(fit.covariance) <= 0.0):
         return None
-    middle, covariance = fit.x[fit.free], fit.covariance
-    draws = _drawn(problem, form, fit, middle, covariance, seed)
+    draws = _drawn(problem, form, fit, fit.x[fit.free], fit.covariance, seed)
     if draws is not None and draws.effective < FEWEST:
         free = draws.x[:, fit.free]
         middle = draws.weight @ free
         spread = (free - middle).T @ (draws.weight[:, None] * (free - middle))
         # Few draws say little of some directions: there it stays as wide as it was.
-        again = _drawn(problem, form, fit, middle, spread + 0.5 * covariance, seed + 1)
+        again = _drawn(problem, form, fit, middle, spread + 0.5 * fit.covariance, seed + 1)
         if again is not None and again.effective > draws.effective:
             draws = again
     return draws
@@ -73,12 +72,10 @@ def _drawn(
     residual = problem.residuals(x)
     sides = sum(problem.parameters[int(column)].one_sided for column in free)
     prior = -0.5 * np.einsum("vi,ij,vj->v", points[inside], fit.precision, points[inside])
-    prior += 0.5 * float(np.linalg.slogdet(fit.precision)[1]) + sides * math.log(2.0)
-    prior -= 0.5 * k * math.log(2.0 * math.pi)
-    proposal = multivariate_t(middle, lower @ lower.T, _DOF).logpdf(points[inside])
+    prior += 0.5 * np.linalg.slogdet(fit.precision / (2.0 * math.pi))[1] + sides * math.log(2.0)
+    proposal = multivariate_t(np.zeros(k), np.eye(k), _DOF).logpdf(z[inside])
+    proposal -= np.sum(np.log(np.diag(lower)))
     weights = form.density(residual, fit.h) + prior - proposal
-    log_evidence = float(logsumexp(weights)) - math.log(COUNT)
-    weight = np.exp(weights - np.max(weights))
-    weight /= np.sum(weight)
-    correction = log_evidence - laplace(problem, form, fit)
+    weight = softmax(weights)
+    correction = float(logsumexp(weights)) - math.log(COUNT) - laplace(problem, form, fit)
     return Draws(x, weight, residual, correction, 1.0 / float(np.sum(weight**2)))

@@ -178,8 +178,7 @@ def sharpened(problem: Problem, form: Form, old: Fit) -> Batched[Fit]:
     if problem.low_fidelity is None:  # a simulation of such a kind jumps within a narrower step
         # As wide as the data leave each coordinate open by itself: with others it may be far wider.
         spread = np.maximum(np.diag(np.linalg.pinv(old.covariance)), 1.0) ** -0.5
-    where = problem, old.x, old.free, old.residual
-    slopes = yield from derivatives(*where, False, spread, True)
+    slopes = yield from derivatives(problem, old.x, old.free, old.residual, False, spread, True)
     return _fit(problem, form, old.causes, replace(old.end, slopes=slopes), old.h)[0]
 
 
