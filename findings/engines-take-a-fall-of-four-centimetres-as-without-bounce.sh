@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Expected: a ball with a restitution of 0.9 bounces to 0.81 of the height it fell from, whatever that is.
-# What happens: Box2D takes each impact slower than 1 m/s as one without bounce, PhysX of SAPIEN slower than 2 m/s, falls
-#   of 5 and 20 cm: the ball stays where it lands, or creeps out of the floor by a millimetre. From 0.5 and 1 m it is
+# What happens: Box2D takes each impact slower than 1 m/s as one without bounce, PhysX of SAPIEN slower than 2 m/s, which
+#   are falls of 5 and 20 cm: the ball stays where it lands, or creeps out of the floor by a millimetre. From 0.5 and 1 m it is
 #   right in both. Restitution is kept and read back as 0.9, no warning.
 # Package: Box2D 2.3.10, sapien 3.0.3. Source: a constant of Box2D 2, `bounce_threshold` of SAPIEN, both in m/s.
 # Who is hurt: whoever simulates hopping, shaking or tapping robots of centimetres in metres.

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # Expected: `signal_resample` from 1000 to 10 Hz returns readings each 0.1 s.
 # What happens: by default ("interpolation") first and last reading are kept and those between are spread evenly: 1 s at
-#   1000 Hz becomes ten readings 0.111 s apart, so that a reading that equals its time is 0.555 at 0.5 s, and 2 Hz is
-#   2.22 Hz on the new clock. The stretch is the new length over itself less one, of 10 s 1 %. "FFT" and "poly"
+#   1000 Hz becomes ten readings 0.111 s apart, so that a reading that equals its time is 0.555 at 0.5 s, and 1.5 Hz
+#   is 1.67 Hz on the new clock. The stretch is the new length over itself less one, of 10 s 1 %. "FFT" and "poly"
 #   ring at the ends of a drift, 10.8 for 9.9; "numpy" is right. The number of readings is right in all, no warning.
 # Package: neurokit2 0.3.0, numpy 2.4.6, pandas 3.1.1. Source: found by trying.
 # Who is hurt: whoever brings a fast sensor to a camera's rate, or cuts a record into short pieces and resamples each.
-# Instead: method="numpy" (tried), or numpy.interp onto the new times (tried).
+# Instead: method="numpy" (tried).
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Expected: trees fit readings in metres as they fit the same readings in mm or um, since they only compare values.
-# What happens: XGBoost takes no split that gains less than 1e-6, in the square of the reading's unit, and calculates in
-#   32 bits: of readings around 1 it explains all, of 1e-3 0.99, of 1e-4 0.66, and of 1e-6 nothing, the prediction is one
+# What happens: XGBoost takes no split that gains less than 1e-6, in the square of the reading's unit, and calculates
+#   in 32 bits: of readings around 1 it explains all, of 1e-3 0.99, of 1e-4 0.66, and of 1e-6 nothing, the prediction is one
 #   constant. scikit-learn's trees and forests do so below a variance of 2e-16, readings of 1e-9 kg.
 #   LightGBM is right at all scales. No warning.
 # Package: xgboost 3.2.0, scikit-learn 1.9.1, lightgbm 4.7.0, numpy 2.4.6. Source: found by trying.
