@@ -42,6 +42,6 @@ for seconds in (1, 2, 10):
         right = len(clock) / (len(clock) - 1) if method is None else 1.0
         assert abs(fast - right) < 2e-3
 at = {method: resampled(times, method) for method in ("FFT", "poly")}
-print("the end of a reading that equals its time, at 9.9 s:", ", ".join(f"{name} {y[-1]:.2f}" for name, y in at.items()))
+print("a reading that equals its time at 9.9 s:", ", ".join(f"{name} {y[-1]:.2f}" for name, y in at.items()))
 assert all(y[-1] > 10.5 for y in at.values())
 PROGRAM
