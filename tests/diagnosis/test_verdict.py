@@ -255,6 +255,13 @@ def test_a_constant_other_than_stated_is_named_by_the_test():
     assert (result.verdict.kind, result.verdict.causes) == ("named", ("slope",))
 
 
+def test_causes_that_no_reading_tells_apart_are_in_the_order_of_their_names():
+    idle = [Cause(name, Parameter(f"{name}.size", size=0.5, low=-3.0, high=3.0))
+            for name in ("zeta", "alpha", "mu")]  # fmt: skip
+    names = [*posterior(run(problem(data(), idle), 0).models).models]
+    assert names == ["none", "alpha", "mu", "zeta"]
+
+
 def test_a_constant_far_off_beside_a_cause_needs_no_held_out_proof():
     # Twelve stated errors off: where it counts as stated it predicts as well.
     t, joint = 0.01 * np.arange(400), {"inertia": 2e-3, "viscous": 8e-3, "coulomb": 0.024}

@@ -72,7 +72,7 @@ class Posterior(OneLine):
 
 
 def _ordered(chances: Mapping[_Key, float]) -> list[_Key]:
-    """The likeliest first; what no reading tells apart in its own order, whatever the rounding."""
+    """The likeliest first; what no reading tells apart as it is given, whatever the rounding."""
     return sorted(chances, key=lambda key: -float(f"{chances[key]:.9g}"))
 
 
@@ -87,7 +87,7 @@ def posterior(models: Models) -> Posterior:
     total = float(logsumexp(list(weights.values())))
     by_set: dict[frozenset[str], float] = {}
     best: dict[frozenset[str], tuple[float, Fit]] = {}
-    for key, weight in weights.items():
+    for key, weight in sorted(weights.items(), key=lambda item: sorted(item[0][0])):
         by_set[key[0]] = by_set.get(key[0], 0.0) + math.exp(weight - total)
         if key[0] not in best or weight > best[key[0]][0]:
             best[key[0]] = weight, models.best[key]
