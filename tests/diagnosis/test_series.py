@@ -23,6 +23,7 @@ from stickslip.diagnosis.data.series import with_repeats
 from stickslip.diagnosis.fitting.forms import Correlated
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.scatter import with_scatter
+from stickslip.diagnosis.fitting.starts import recalibrated
 from stickslip.diagnosis.model import posed
 
 STEP, COUNT, NOISE = 0.2, 200, 0.02
@@ -197,6 +198,24 @@ def test_records_of_one_unit_share_an_error_unless_a_test_tells_them_apart(
     # Readings of all that share an error tell it.
     dof = [errors.dof for errors in problem.errors]
     assert (dof[0] == dof[1]) == (shared is not False)
+
+
+@pytest.mark.parametrize("told_by", ["smooth", "fit"])
+def test_the_beginning_of_a_long_record_says_whether_a_curve_tells_its_errors(told_by):
+    asked = []
+
+    def counted(record, p):
+        asked.append(len(record))
+        return tank(record, p)
+
+    u = random(26).uniform(-20.0, 20.0, 4000) if told_by == "fit" else drive(26, 4000)
+    problem = posed(made(4000, 26, u=u), counted, [RATE, START], [DRAG])
+    recalibrated(problem, 0)
+    asked.clear()
+    (errors,) = with_scatter(problem, 0).errors
+    assert {note.code for note in errors.notes} == {f"noise-{told_by}"}
+    assert errors.sizes["s0"] == pytest.approx(NOISE, rel=0.25)
+    assert (4000 in asked) == (told_by == "fit")
 
 
 def test_equal_errors_are_told_apart_as_seldom_as_stated_and_in_any_unit():

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.stats import chi2, rankdata
 
 from stickslip._util.arrays import Array
-from stickslip.diagnosis.fitting.descent import run_batched
+from stickslip.diagnosis.fitting.descent import finished
 from stickslip.diagnosis.fitting.models import Fit, minimise
 from stickslip.diagnosis.fitting.problem import Problem, lack_of_fit
 from stickslip.diagnosis.fitting.responses import Response
@@ -86,9 +86,8 @@ def chance_of_other_constants(models: Models, null: Fit) -> float:
     if any(lack_of_fit(problem, misfit[side], count[side]) >= ALPHA for side in count):
         return 0.0
     form = models.forms[null.form]
-    start = minimise(problem, form, others, null.x, h=null.h)
     try:
-        (fit,) = run_batched(problem, [start])
+        fit = finished(problem, minimise(problem, form, others, null.x, h=null.h))
     except np.linalg.LinAlgError:  # nothing can be fitted there, and so nothing said
         return 0.0
     costs = form.cost(np.stack([null.residual, fit.residual]), null.h)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass
@@ -124,7 +125,7 @@ def descend(
         downhill = gram[:-1, -1] - precision @ x[free]
         room = np.maximum(low - x[free], -longest), np.minimum(high - x[free], longest)
         if count and now > cost_bound:
-            promised = float(downhill @ _step(curvature, downhill, room, 0.0))
+            promised = float(downhill @ step_within(curvature, downhill, *room))
             # Falls become smaller: each step that is left counts for half of one like these.
             if now - 0.5 * (steps - count) * max(fall, promised) > cost_bound:
                 break
@@ -132,7 +133,7 @@ def descend(
         for dampings in (DESCENT.dampings[:1], DESCENT.dampings[1:]):
             tries = np.tile(x, (len(dampings), 1))
             for row, damping in zip(tries, factor * softer * np.array(dampings), strict=True):
-                step = _step(curvature, downhill, room, damping)
+                step = step_within(curvature, downhill, *room, damping)
                 row[free] = np.clip(x[free] + step, low, high)
             residuals = yield tries, cheap
             costs = costs_of(form, h, tries[:, free], precision, residuals)
@@ -224,31 +225,27 @@ def _updated(slopes: Array, change: Array, move: Array, sd: Array) -> Array:
     return np.asarray(slopes + np.outer(gap, move) / length**2, slopes.dtype)
 
 
-def _step(curvature: Array, downhill: Array, room: tuple[Array, Array], damping: float) -> Array:
-    """A damped step."""
-    damped = curvature + damping * np.diag(np.diag(curvature))
-    try:
-        return step_within(damped, downhill, *room)
-    except np.linalg.LinAlgError:
-        return np.zeros(len(downhill))
-
-
-def step_within(curvature: Array, downhill: Array, low: Array, high: Array) -> Array:
-    """The step to the minimum of a quadratic within these ends.
+def step_within(
+    curvature: Array, downhill: Array, low: Array, high: Array, damping: float = 0.0
+) -> Array:
+    """The step to the minimum of a damped quadratic within these ends; zero where it has none.
 
     What would leave them stays there, and the rest moves for that: a constant and a law that trade
     off against each other must not move one without the other.
     """
+    curvature = curvature + damping * np.diag(np.diag(curvature))
     step, free = np.zeros(len(downhill)), np.ones(len(downhill), dtype=bool)
-    while free.any():
-        along = downhill[free] - curvature[np.ix_(free, ~free)] @ step[~free]
-        step[free] = np.linalg.solve(curvature[np.ix_(free, free)], along)
-        outside = (step < low) | (step > high)
-        if not outside.any():
-            break
-        step = np.clip(step, low, high)
-        free &= ~outside
-    return step
+    with contextlib.suppress(np.linalg.LinAlgError):
+        while free.any():
+            along = downhill[free] - curvature[np.ix_(free, ~free)] @ step[~free]
+            step[free] = np.linalg.solve(curvature[np.ix_(free, free)], along)
+            outside = (step < low) | (step > high)
+            if not outside.any():
+                return step
+            step = np.clip(step, low, high)
+            free &= ~outside
+        return step
+    return np.zeros(len(downhill))
 
 
 def derivatives(

@@ -21,7 +21,7 @@ from stickslip._util.prior import Prior
 from stickslip._util.units import MISTAKES, factor_text, other_units
 from stickslip.diagnosis.data.errors import FEWEST
 from stickslip.diagnosis.data.table import Table
-from stickslip.diagnosis.fitting.descent import run_batched
+from stickslip.diagnosis.fitting.descent import finished
 from stickslip.diagnosis.fitting.forms import Exact
 from stickslip.diagnosis.fitting.models import minimise
 from stickslip.diagnosis.fitting.problem import Problem
@@ -212,9 +212,7 @@ def _fits(tries: Iterable[_Try], most: int | None = None) -> list[_End]:
     ends = []
     for one in sorted(tries, key=lambda one: one.left)[:most]:
         with contextlib.suppress(np.linalg.LinAlgError):
-            (fit,) = run_batched(
-                one.problem, [minimise(one.problem, Exact(one.problem), (), one.x)]
-            )
+            fit = finished(one.problem, minimise(one.problem, Exact(one.problem), (), one.x))
             x = np.abs(fit.x)
             if one.relaxed is not None:
                 x[one.relaxed] = 0.0

@@ -27,9 +27,10 @@ _ROUNDS, _STEPS, _VIEWS, _LOOK, _FOLLOWED, _OF_CAUSE = 4, 15, 2, 4, 4, 4
 _SMALLEST = 1e-9
 """Least error, in the scatter of the readings: below it is rounding."""
 
-_LESS = 0.8
+_LESS, _CLEARLY = 0.8, 1.05
 """Part of the scatter about a smooth curve below which that of a fit shows that the readings follow
-no smooth curve. Chosen: sixty readings tell it from chance."""
+no smooth curve, and a factor of it above which the beginning of a long record tells that they do.
+Chosen: sixty readings tell the first from chance."""
 
 
 def with_scatter(problem: Problem, seed: int) -> Problem:
@@ -58,12 +59,16 @@ def with_scatter(problem: Problem, seed: int) -> Problem:
              for effect in separated(effects, lambda effect: effect.x, SEARCH.apart)]  # fmt: skip
     ends = sorted(run_batched(short, looks), key=lambda end: end.cost)
     starts = [*(end.x for end in ends[: _FOLLOWED - 1]), null.x]
-    # On all readings of a long record what is left is known after a step.
+    # On all readings of a long record what is left is known after a step; its beginning tells
+    # before whether readings follow a curve.
     begin, is_long, last = None, short is not problem, _STEPS if short is problem else 1
-    for steps in (_LOOK, _STEPS) if short is not problem else ():
+    for steps in (_LOOK, _STEPS) if is_long else ():
         walks = [refine(short, form, h, problem.causes, x, steps=steps) for x in starts]
-        starts = [min(run_batched(short, walks), key=lambda end: end.cost).x]
-    while True:
+        best = min(run_batched(short, walks), key=lambda end: end.cost)
+        starts = [best.x]
+    if is_long:
+        curves = _rougher(short, curves, best, _parameters(short, form, best), _CLEARLY)
+    while unknown or curves:
         for _ in range(_ROUNDS if unknown else 1):
             form = Exact(problem)
             walks = [refine(problem, form, h, problem.causes, x, steps=last, begin=begin)
@@ -73,12 +78,20 @@ def with_scatter(problem: Problem, seed: int) -> Problem:
             begin = best if is_long and not (best.residual == LOST * problem.sd).any() else None
             starts, spent = [best.x], _parameters(problem, form, best)
             problem = _scattered(problem, unknown, best.residual, spent)
-        rougher = [k for k in curves if k not in unknown and _size(problem, k, best.residual, spent)
-                   < _LESS * problem.errors[k].sizes["s0"]]  # fmt: skip
+        rougher = _rougher(problem, [k for k in curves if k not in unknown], best, spent)
         if not rougher:
-            return problem
+            break
         unknown = [*unknown, *rougher]
         problem = _scattered(problem, unknown, best.residual, spent)
+    return problem
+
+
+def _rougher(
+    problem: Problem, curves: Sequence[int], end: End, spent: float, room: float = 1.0
+) -> list[int]:
+    """Tables that follow no smooth curve: of its scatter the fit of all causes leaves a part."""
+    return [k for k in curves if _size(problem, k, end.residual, spent)
+            < room * _LESS * problem.errors[k].sizes["s0"]]  # fmt: skip
 
 
 def _parameters(problem: Problem, form: Exact, end: End) -> float:

@@ -167,13 +167,12 @@ class Models:
             if start.form == "exact":
                 cost_bound = min(cost_bound, self.cost_bound)
         slopes = None if start.near is None else start.near.slopes
-        try:
+        with contextlib.suppress(np.linalg.LinAlgError):
             return (yield from minimise(
                 self.problem, self.forms[start.form], start.causes, start.x, h=start.h,
                 slopes=slopes, cost_bound=cost_bound, least=least,
             ))  # fmt: skip
-        except np.linalg.LinAlgError:
-            return None
+        return None
 
 
 def _linear(problem: Problem, form: Form, causes: Sequence[Cause], end: End) -> Iterator[Fit]:
@@ -249,15 +248,15 @@ def _draw(models: Models, seed: int) -> None:
         models.corrections[names] = draws.correction if draws.effective > FEWEST else 0.0
 
 
-def screened(models: Models, effects: Sequence[Response]) -> None:
-    """Add every single cause and form by the linear model about the recalibrated one."""
-    problem, null = models.problem, models.null
+def screened(models: Models, effects: Sequence[Response], forms: Sequence[str] = ()) -> None:
+    """Add single causes by the linear model about the recalibrated one, which every form gets."""
+    null = models.null
     ends: dict[tuple[Cause, ...], End] = {(): null.end}
     for effect in effects:
         ends.setdefault((effect.cause,), End(null.x, null.residual, effect.slopes, math.nan))
-    for form in models.forms.values():
+    for name in forms or models.forms:
         for causes, end in ends.items():
-            for fit in _linear(problem, form, causes, end):
+            for fit in _linear(models.problem, models.forms[name], causes, end):
                 models.add(fit)
 
 
@@ -329,21 +328,14 @@ def _nest_singles(models: Models, causes: Sequence[Cause]) -> None:
         return fit is None or (reaches and fit.cost > null.cost + DESCENT.settled)
 
     best: dict[str, Response] = {}
-    worse = [cause for cause in causes if behind(cause)]
-    if not worse:
-        return
-    sizes = (*SEARCH.small, USUAL)
+    sizes, worse = (*SEARCH.small, USUAL), [cause for cause in causes if behind(cause)]
     for response in responses(problem, null.end, (), worse, exact, null.h, sizes, cheap=True):
         best.setdefault(response.cause.name, response)
     models.add_fits([
         Start("exact", (response.cause,), response.x, response)
         for response in best.values() if response.gain > SEARCH.better
     ])  # fmt: skip
-    for response in best.values():
-        if behind(response.cause):
-            end = End(null.x, null.residual, response.slopes, math.nan)
-            for fit in _linear(problem, exact, (response.cause,), end):
-                models.add(fit)
+    screened(models, [one for one in best.values() if behind(one.cause)], ["exact"])
 
 
 def _least_fall(models: Models, leader: Fit) -> float:
@@ -466,9 +458,12 @@ def _fit_other_forms(models: Models) -> None:
             hopes.append((models.log_posterior(hope), old, hope, better))
         hopes.sort(key=lambda hope: -hope[0])
         starts = []
+        # A fit in another inner product leaves hardly less than its linear model promises.
+        room = SEARCH.margin + SEARCH.refitted * len(models.problem.y)
         for rank, (promised, old, hope, better) in enumerate(hopes):
-            near = len(old.causes) < 2 and promised > hopes[0][0] - SEARCH.behind
-            if better and (rank < SEARCH.other_forms or near or not old.causes):
+            behind = hopes[0][0] - promised
+            near = len(old.causes) < 2 and behind < SEARCH.behind
+            if better and (near or not old.causes or (rank < SEARCH.other_forms and behind < room)):
                 starts.append(Start(name, old.causes, old.x, old, hope.h))
             elif better and len(old.causes) < 2:
                 models.add(hope)  # far behind: the linear model will do

@@ -139,15 +139,12 @@ def first_looks(
         places.append(np.zeros(problem.size))
     views = [null.end, *run_batched(problem, [end_at(problem, (), x) for x in places])]
     fine = [cause for cause in causes if np.any(problem.fineness[problem.columns([cause])] <= FINE)]
+    every = [responses(problem, one, (), causes, soft, np.zeros(0), cheap=True) for one in views]
     # Of each view, as gains about one end do not compare with those about another.
-    bundles = [(cause, [list[Response]() for _ in views]) for cause in causes if cause not in fine]
-    together = {cause.name: groups for cause, groups in bundles}
-    for number, view in enumerate(views):
-        of_fine: dict[str, list[Response]] = {cause.name: [] for cause in fine}
-        for response in responses(problem, view, (), causes, soft, np.zeros(0), cheap=True):
-            name = response.cause.name
-            (of_fine[name] if name in of_fine else together[name][number]).append(response)
-        bundles += [(cause, [of_fine[cause.name]]) for cause in fine]
+    bundles = list[tuple[Cause, list[list[Response]]]]()
+    for cause in causes:
+        groups = [[response for response in some if response.cause is cause] for some in every]
+        bundles += [(cause, [group]) for group in groups] if cause in fine else [(cause, groups)]
     hopes: list[tuple[float, Look]] = []
     for promising in run_batched(problem, [_promising(problem, soft, *each) for each in bundles]):
         for cost, response in promising:
@@ -157,8 +154,8 @@ def first_looks(
     looks = [look for _, look in sorted(hopes, key=lambda hope: hope[0])]
     relaxed = [cause for cause in causes if cause.is_constant]
     stages = (*(Softened(problem, *stage) for stage in DESCENT.stages[:2]), robust)
-    every = run_batched(problem, [_along(problem, cause, null) for cause in relaxed])
-    for cause, starts in zip(relaxed, every, strict=True):
+    along = run_batched(problem, [_along(problem, cause, null) for cause in relaxed])
+    for cause, starts in zip(relaxed, along, strict=True):
         looks += [(cause, x, None, stages, 2 * SEARCH.look) for x in starts]
     return looks
 
