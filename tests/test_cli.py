@@ -7,14 +7,11 @@ import shutil
 import subprocess
 import sys
 
-import numpy as np
-import pandas
 import pytest
 import xarray
 from PIL import Image
 
 from command_line import COMMAND, check, stickslip, stickslip_process
-from recorded_runs import flat_columns
 from refusals.cli import REFUSALS, contents, lay_out
 from stickslip import Scenario, _core, effects, load, simulate
 from stickslip.simulation.quantities import NUMBERS
@@ -116,17 +113,6 @@ def test_the_rate_is_the_given_one_and_of_a_long_run_a_lower_one(scenario, tmp_p
         stickslip("run", scenario, *options, "--out", tmp_path / "a.nc")
         with xarray.open_dataset(tmp_path / "a.nc", engine="h5netcdf") as data:
             assert data.sizes["t"] == samples
-
-
-def test_out_as_csv_has_the_columns_with_their_units(scenario, tmp_path):
-    printed("run", scenario, "--set=record.rate=2000", "--out", tmp_path / "a.csv")
-    # Text, since pandas before version 3 reads numbers wrong in their last digits.
-    table = pandas.read_csv(tmp_path / "a.csv", dtype=str)
-    run = simulate(load(scenario).replace({"record.rate": 2000.0}))
-    for name, unit, values in flat_columns(run):
-        heading = name.replace("current_", "current ") + f" ({unit})" * bool(unit)
-        np.testing.assert_array_equal(table[heading].to_numpy().astype(values.dtype), values)
-    assert len(table.columns) == 13 + 1 + 5 + 1
 
 
 # --- pictures of a run

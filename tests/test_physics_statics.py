@@ -100,12 +100,6 @@ def test_sawtooth_without_teeth_moves_nothing(mode):
     assert abs(still["mean_velocity"]) * 1.94 < 1e-5 * RADIUS
 
 
-def test_slip_angle_of_equation_15():
-    # 0.22 uN and 0.2 give 21.2 degrees with the mass of Table II, 21.8 with density times volume.
-    assert np.degrees(slip_angle(0.2, ADHESION)) == pytest.approx(21.20, abs=0.01)
-    assert np.degrees(slip_angle(0.2, ADHESION, mass=24.05e-9)) == pytest.approx(21.85, abs=0.01)
-
-
 @pytest.mark.parametrize("mass", [MASS, 24.05e-9])
 @pytest.mark.parametrize("downhill", [1, -1])
 def test_block_holds_just_below_the_slip_angle_and_slides_just_above(mass, downhill):

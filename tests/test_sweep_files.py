@@ -2,7 +2,6 @@
 
 import contextlib
 import os
-import resource
 import signal
 import subprocess
 import sys
@@ -14,7 +13,7 @@ import numpy as np
 import pytest
 import xarray
 
-from command_line import stickslip
+from command_line import files_up_to, stickslip
 from stickslip import Drive, JointPrior, Scenario, ScenarioError, predict, sweep
 from stickslip.sweeping import checkpoint, run_sweep
 
@@ -224,13 +223,8 @@ def test_a_full_disk_keeps_the_last_good_file(tmp_path, expected):
     path = tmp_path / "a.nc"
     begin(path)
     before = path.read_bytes()
-    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, limits[1]))
-    try:
-        with pytest.raises(OSError, match=r"cannot write .*a\.nc: File too large"):
-            sweep(SLOW, VARY, out=path, resume=True)
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    with files_up_to(10_000), pytest.raises(OSError, match=r"cannot write .*a\.nc: File too large"):
+        sweep(SLOW, VARY, out=path, resume=True)
     assert path.read_bytes() == before
     assert [each.name for each in tmp_path.iterdir()] == ["a.nc"]
     assert_resumes(path, expected)
