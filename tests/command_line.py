@@ -75,17 +75,27 @@ def files_up_to(largest):
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
+def python_process(*arguments, path=(), variables=(), timeout=120, **options):
+    """The finished process of Python, with standard output and standard error as text.
+
+    It finds modules as this process does, those of the folders `path` first, and has these
+    variables of the environment.
+    """
+    others = {key: each for key, each in os.environ.items() if not key.startswith("STICKSLIP_")}
+    own = {**others, "PYTHONPATH": os.pathsep.join([*map(str, path), *sys.path]), **dict(variables)}
+    command, how = [sys.executable, *map(str, arguments)], {"capture_output": True, "text": True}
+    return subprocess.run(command, env=own, timeout=timeout, **how, **options)
+
+
 def stickslip_process(*arguments, largest_file=None, **options):
-    """The finished process, with standard output and standard error as text.
+    """The finished process of the command.
 
     Files cannot become larger than `largest_file`, bytes, if that is given.
     """
     if largest_file is not None:
         limits = (largest_file, largest_file)
         options["preexec_fn"] = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, limits)
-    return subprocess.run(
-        [*COMMAND, *map(str, arguments)], capture_output=True, text=True, timeout=300, **options
-    )
+    return python_process("-m", "stickslip", *arguments, timeout=300, **options)
 
 
 def ended_at_the_bar(*arguments, shows=b"%", signals=(signal.SIGINT,), cwd=None):

@@ -18,7 +18,7 @@ if "NUMBA_CACHE_DIR" not in os.environ:
 import pytest
 from hypothesis import HealthCheck, Phase, settings
 
-from stickslip import Drive, Record, Scenario, Waveform, simulate
+from stickslip import Drive, Record, Scenario, Waveform, _core, simulate
 
 # Shells start what runs in the background with interrupts ignored, and so would be all commands
 # that the tests interrupt.
@@ -62,6 +62,16 @@ def scenario(tmp_path, request):
     path = tmp_path / "scenario.toml"
     path.write_text(request.module.TEXT)
     return path
+
+
+@pytest.fixture(scope="module")
+def frozen_effect():
+    """The effect of a user that some of the frozen scenarios have."""
+    from frozen.scenarios import OWN_NAME, register_own_effect  # imports numba
+
+    register_own_effect()
+    yield
+    _core.unregister_effect(OWN_NAME)
 
 
 @pytest.fixture(scope="session")

@@ -3,13 +3,13 @@
 ``python tests/killed_recordings.py N SEED`` kills N and says what each left.
 """
 
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
 import numpy as np
 
+from command_line import python_process
 from recorded_runs import DENSE
 from stickslip import open_run, simulate
 from stickslip.simulation.record_file import BLOCK, PART
@@ -48,8 +48,7 @@ def killed(folder, random, inside):
     RECORDED.to_toml(scenario)
     block = int(random.integers(1, 5)) if inside else 0
     wait = random.uniform(0.0, 1.0) if inside else random.uniform(0.01, 2.0)
-    command = [sys.executable, "-c", CODE, scenario, out, block, wait]
-    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=120)
+    done = python_process("-c", CODE, scenario, out, block, wait)
     assert done.returncode == -14, done
     assert not out.exists()
     part = folder / f"run.nc{PART}"

@@ -11,7 +11,7 @@ import pytest
 import xarray
 from PIL import Image
 
-from command_line import COMMAND, check, stickslip, stickslip_process
+from command_line import COMMAND, check, python_process, stickslip, stickslip_process
 from refusals.cli import REFUSALS, contents, lay_out
 from stickslip import Scenario, _core, effects, load, simulate
 from stickslip.simulation.quantities import NUMBERS
@@ -253,7 +253,7 @@ def test_an_interrupt_of_the_imports_is_one_line():
         "    def find_spec(name, *_): raise KeyboardInterrupt\n"
         "sys.stdout.flush()\nsys.meta_path.insert(0, Interrupt)\nmain(['--version'])"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    done = python_process("-c", code)
     assert (done.returncode, done.stderr) == (130, "stickslip: interrupted\n")
     # What is imported before `main` can answer takes a millisecond or two.
     assert set(done.stdout.split()) <= {
@@ -312,7 +312,7 @@ def test_the_command_starts_quickly(arguments):
         f"try: main({arguments})\nexcept SystemExit: pass\n"
         f"print(sorted({heavy} & set(sys.modules)), file=sys.stderr)"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    done = python_process("-c", code)
     assert done.stderr.splitlines()[-1] == "[]"
 
 

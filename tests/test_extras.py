@@ -1,8 +1,6 @@
 """Without any extra the core features work, and all else names the extra which it needs."""
 
-import os
 import re
-import subprocess
 import sys
 from pathlib import Path
 
@@ -13,7 +11,7 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-import stickslip
+from command_line import python_process
 from stickslip.extras import EXTRAS
 
 PROJECT = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text(encoding="utf-8"))[
@@ -87,17 +85,7 @@ def without(blocked, arguments, folder):
     """Run Python in a folder where some modules are not to be found."""
     (folder / "sitecustomize.py").write_text(BLOCKER.format(blocked=set(blocked)))
     (folder / "scenario.toml").write_text(SCENARIO)
-    source = str(Path(stickslip.__file__).parents[1])
-    path = os.pathsep.join([str(folder), source, *filter(None, [os.environ.get("PYTHONPATH")])])
-    return subprocess.run(
-        [sys.executable, *arguments],
-        cwd=folder,
-        env={**os.environ, "PYTHONPATH": path},
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=60,
-    )
+    return python_process(*arguments, path=[folder], cwd=folder)
 
 
 def test_the_base_simulates(tmp_path):

@@ -8,18 +8,10 @@ import math
 import pytest
 
 from frozen import freeze
-from frozen.scenarios import OWN_NAME, register_own_effect, scenarios
-from own_effects import unregister
+from frozen.scenarios import scenarios
 
 
-@pytest.fixture(scope="module", autouse=True)
-def own_effect():
-    """Some scenarios have an effect of the user."""
-    register_own_effect()
-    yield
-    unregister(OWN_NAME)
-
-
+@pytest.mark.usefixtures("frozen_effect")
 def test_frozen_runs_are_what_they_were():
     made_on, expected = freeze.read()
     chosen = scenarios()

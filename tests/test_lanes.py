@@ -1,15 +1,12 @@
 """The environment says which kernels make the steps; those with fused multiply-add agree."""
 
 import json
-import os
-import subprocess
-import sys
 
 import pytest
 
+from command_line import python_process
 from frozen import freeze
-from frozen.scenarios import OWN_NAME, register_own_effect, scenarios
-from own_effects import unregister
+from frozen.scenarios import scenarios
 from stickslip import _core
 
 BATCH = "import stickslip as s; s.simulate_batch([s.Scenario()])"
@@ -25,14 +22,7 @@ print(json.dumps([_core.kernel(), together, alone]))
 """
 PROCESSORS = ("baseline", "x86-64-v3", "x86-64-v4")
 KERNEL, _ = _core.kernel()
-
-
-@pytest.fixture(scope="module", autouse=True)
-def own_effect():
-    """Some of the scenarios have an effect of the user."""
-    register_own_effect()
-    yield
-    unregister(OWN_NAME)
+pytestmark = pytest.mark.usefixtures("frozen_effect")
 
 
 def some_runs():
@@ -42,17 +32,7 @@ def some_runs():
 
 def velocities(**variables):
     """The kernel of a process with these variables, and its velocities together and alone."""
-    folder = os.path.dirname(os.path.abspath(__file__))
-    own = {name: text for name, text in os.environ.items() if not name.startswith("STICKSLIP_")}
-    environment = {**own, **variables, "PYTHONPATH": os.pathsep.join([folder, *sys.path])}
-    done = subprocess.run(
-        [sys.executable, "-c", VELOCITIES],
-        capture_output=True,
-        text=True,
-        env=environment,
-        timeout=120,
-        check=False,
-    )
+    done = python_process("-c", VELOCITIES, variables=variables)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 
@@ -66,10 +46,7 @@ def velocities(**variables):
     ],
 )
 def test_a_value_that_does_not_exist_is_named(name, value, allowed):
-    environment = {**os.environ, name: value}
-    done = subprocess.run(
-        [sys.executable, "-c", BATCH], capture_output=True, text=True, env=environment, timeout=120
-    )
+    done = python_process("-c", BATCH, variables={name: value})
     assert done.returncode == 1
     assert f"{name} = {value}: allowed is {allowed}" in done.stderr
 

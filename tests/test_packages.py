@@ -5,8 +5,6 @@ import functools
 import importlib.metadata
 import pkgutil
 import re
-import subprocess
-import sys
 from pathlib import Path
 from types import ModuleType
 
@@ -14,6 +12,7 @@ import mypy.api
 import pytest
 
 import stickslip
+from command_line import python_process
 
 ROOT = Path(__file__).parents[1] / "python" / "stickslip"
 BASE = ("_core", "_util", "errors", "extras", "versions")  # these know each other
@@ -118,10 +117,8 @@ def test_import_is_light():
     heavy = "{'numpy', 'scipy', 'pandas', 'xarray', 'matplotlib', 'h5py', 'jinja2', 'click'}"
     study = "'reproduction'"
     code = f"import sys, stickslip; print([m for m in sys.modules if m in {heavy} or {study} in m])"
-    result = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True
-    )
-    assert result.stdout.strip() == "[]"
+    result = python_process("-c", code)
+    assert (result.stdout.strip(), result.returncode) == ("[]", 0)
 
 
 def test_no_module_has_the_name_of_a_public_function():

@@ -8,7 +8,6 @@ import math
 import os
 import re
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import laws
+from command_line import python_process
 from fine_record import recorded
 from free_shapes import LAWS
 from populations import EFFECTS, EXTREME, USUAL, Draw, extreme, population, usual, wild
@@ -206,8 +206,7 @@ EDGE_TIMES = ["0.0", "1e-300", "1e-30", "1e-17", "1e-14"]  # s
 @pytest.mark.parametrize("edge", ["rise", "fall"])
 def test_an_edge_shorter_than_any_time_is_a_jump(edge, ramp):
     # In a process of its own, which can be ended if it hangs.
-    command = [sys.executable, "-c", SHORT_EDGE, edge, ramp, *EDGE_TIMES]
-    done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120)
+    done = python_process("-c", SHORT_EDGE, edge, ramp, *EDGE_TIMES)
     outcomes = [line.split() for line in done.stdout.splitlines()]
     assert [status for status, _ in outcomes] == ["ok"] * len(EDGE_TIMES)
     jump, *velocities = (float(velocity) for _, velocity in outcomes)

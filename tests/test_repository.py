@@ -1,11 +1,12 @@
 """What stands in more than one file is the same in all; which folder of the core may use which."""
 
 import re
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+from command_line import python_process
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -43,13 +44,13 @@ def test_the_placeholder_stands_nowhere_else():
 
 def test_the_check_of_a_wheel_passes_here_and_can_fail(tmp_path):
     check = ROOT / "tests" / "check_run.py"
-    result = subprocess.run([sys.executable, check], capture_output=True, text=True, check=False)
+    result = python_process(check)
     assert result.returncode == 0, result.stdout + result.stderr
     code = check.read_text(encoding="utf-8")
     changed = tmp_path / "check_run.py"
     changed.write_text(code.replace("1.912805069", "1.912805068"), encoding="utf-8")
     assert changed.read_text(encoding="utf-8") != code
-    result = subprocess.run([sys.executable, changed], capture_output=True, text=True, check=False)
+    result = python_process(changed)
     assert result.returncode == 1
     assert "relative error" in result.stdout
 

@@ -1,11 +1,10 @@
 """Long runs and large sweeps: work in proportion, and bounded memory."""
 
 import json
-import subprocess
-import sys
 
 import pytest
 
+from command_line import python_process
 from stickslip import Contact, Drive, Scenario, simulate
 
 PULSES = 200
@@ -46,10 +45,7 @@ print(json.dumps({"points": data["status"].size, "failed": data.attrs["failed_po
 
 def in_process(code, *arguments, **options):
     """Output of a program in a process of its own, whose memory is that of its work."""
-    command = [sys.executable, "-c", PEAK + code, *map(str, arguments)]
-    done = subprocess.run(
-        command, capture_output=True, text=True, timeout=120, check=False, **options
-    )
+    done = python_process("-c", PEAK + code, *arguments, **options)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 

@@ -5,14 +5,13 @@ import copy
 import inspect
 import pickle
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import stickslip
+from command_line import python_process
 from sections_stub import FILE, NAMES_FILE, RUN_FILE, names_stub_text, run_stub_text, stub_text
 from stickslip import (
     STATE_COLUMNS,
@@ -299,9 +298,7 @@ def test_every_word_is_its_own_nearest_and_a_doubled_letter_is_recognised():
 
 def test_a_sixth_object_is_a_row_of_the_table(tmp_path):
     script = Path(__file__).with_name("sixth_object.py")
-    done = subprocess.run(
-        [sys.executable, script, tmp_path], capture_output=True, text=True, check=False
-    )
+    done = python_process(script, tmp_path)
     assert done.returncode == 0, done.stderr
 
 

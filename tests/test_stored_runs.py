@@ -4,7 +4,6 @@ import io
 import os
 import signal
 import subprocess
-import sys
 import time
 from ast import literal_eval
 from pathlib import Path
@@ -15,7 +14,7 @@ import pandas as pd
 import pytest
 import xarray
 
-from command_line import COMMAND, files_up_to, stickslip, stickslip_process
+from command_line import COMMAND, files_up_to, python_process, stickslip, stickslip_process
 from killed_recordings import killed
 from own_effects import register, unregister
 from recorded_runs import COARSE, DENSE, ENDLESS, assert_same_record, flat_columns
@@ -77,8 +76,7 @@ def test_a_part_stays_until_it_is_saved(tmp_path):
 @pytest.mark.nightly
 def test_a_damaged_file_is_refused_or_read_as_it_was():
     code = Path(__file__).with_name("damaged_files.py")
-    command = [sys.executable, code, "500", "1"]
-    done = subprocess.run(command, capture_output=True, text=True)
+    done = python_process(code, 500, 1, timeout=3600)
     assert done.returncode == 0, done.stderr
     kinds = literal_eval(done.stdout)
     assert len(kinds) == 3
@@ -400,8 +398,7 @@ def test_memory_does_not_grow_with_the_record(tmp_path):
         "    print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)\n"
     )
     DENSE.to_toml(tmp_path / "scenario.toml")
-    arguments = [sys.executable, "-c", code, tmp_path / "scenario.toml", tmp_path / "run.nc"]
-    done = subprocess.run(list(map(str, arguments)), capture_output=True, text=True, check=True)
+    done = python_process("-c", code, tmp_path / "scenario.toml", tmp_path / "run.nc")
     short, long = map(int, done.stdout.split())  # KiB
     # 0.18 s at 500 kHz are 90 000 samples more, which would be 15 MB.
     assert long - short < 8_000

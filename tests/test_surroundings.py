@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import stickslip
+from command_line import python_process
 from stickslip.cli.commands import COMMANDS
 
 SCENARIO = "é λ.toml"
@@ -89,9 +90,7 @@ def test_the_names_are_known_within_an_archive(tmp_path):
         for path in Path(stickslip.__file__).parent.glob("*.py"):
             archive.write(path, f"stickslip/{path.name}")
     code = "import stickslip; print(stickslip.__file__, stickslip.__all__)"
-    env = {**os.environ, "PYTHONPATH": str(tmp_path / "packages.zip")}
-    command = [sys.executable, "-c", code]
-    done = subprocess.run(command, env=env, capture_output=True, text=True, check=True)
+    done = python_process("-c", code, path=[tmp_path / "packages.zip"])
     assert done.stdout.startswith(str(tmp_path))
     assert done.stdout.endswith(f"{stickslip.__all__}\n")
 
@@ -139,23 +138,10 @@ main(["run", "s.toml", "--out", "again.csv", "--plot", "run.png"])
 """
 
 
-def python(code, folder):
-    source = str(Path(stickslip.__file__).parents[1])
-    path = os.pathsep.join([source, *filter(None, [os.environ.get("PYTHONPATH")])])
-    return subprocess.run(
-        [sys.executable, "-c", code],
-        cwd=folder,
-        env={**os.environ, "PYTHONPATH": path, "MPLBACKEND": "agg"},
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=120,
-    )
-
-
 @pytest.mark.nightly
 def test_modules_runs_and_sweeps_need_nothing_that_other_systems_lack(tmp_path):
-    result = python(HIDDEN + IMPORTS + WORK, tmp_path)
+    code = HIDDEN + IMPORTS + WORK
+    result = python_process("-c", code, cwd=tmp_path, variables={"MPLBACKEND": "agg"})
     assert result.returncode == 0, result.stderr
     written = {each.name for each in tmp_path.iterdir()}
     assert written == {"run.nc", "sweep.nc", "s.toml", "again.csv", "run.png"}

@@ -10,14 +10,12 @@ from __future__ import annotations
 import functools
 import itertools
 import json
-import os
-import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 
+from command_line import python_process
 from effect_table import (
     BOX,
     OWN,
@@ -58,15 +56,8 @@ def batch(table: Table) -> Iterator[str]:
 def packs(table: Table, width: int) -> Iterator[str]:
     """Runs all at once in packs of at most `width`, in an own process, which reads the limit."""
     code = f"import ways_to_run; ways_to_run.print_packed({table.choice!r})"
-    folder = os.path.dirname(os.path.abspath(__file__))
-    environment = {
-        **os.environ,
-        "STICKSLIP_LANES": str(width),
-        "PYTHONPATH": os.pathsep.join([folder, *sys.path]),
-    }
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=False
-    )
+    limit = {"STICKSLIP_LANES": str(width)}
+    done = python_process("-c", code, variables=limit, timeout=3600)
     assert done.returncode == 0, done.stderr
     packed = json.loads(done.stdout)
     for case in table.to_the_bit:
