@@ -1,5 +1,7 @@
 """Small models of which the answers are known."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from stickslip import Cause, Parameter, Prior, Table
@@ -45,3 +47,24 @@ def problem(table, causes=CAUSES, uncertain=(SLOPE, LEVEL)):
     from stickslip.diagnosis.model import posed
 
     return posed(table, line, uncertain, causes)
+
+
+def fitted(posed, causes=(), form="exact", at=None):
+    """The fit of some causes beside a form, begun at the stated constants."""
+    from stickslip.diagnosis.fitting.descent import finished
+    from stickslip.diagnosis.fitting.forms import forms
+    from stickslip.diagnosis.fitting.models import minimise
+
+    at = np.zeros(posed.size) if at is None else at
+    return finished(posed, minimise(posed, forms(posed)[form], causes, at))
+
+
+def counting(posed):
+    """The same problem, and the sizes of the batches of which it is asked."""
+    batches = []
+
+    def counted(values):
+        batches.append(len(values))
+        return posed.model(values)
+
+    return replace(posed, model=counted), batches

@@ -5,10 +5,8 @@ import pytest
 from scipy.special import ndtri
 from scipy.stats import multivariate_normal
 
-from stickslip.diagnosis.fitting.descent import finished
 from stickslip.diagnosis.fitting.forms import forms
-from stickslip.diagnosis.fitting.models import minimise
-from toys import BEND, STEP, TWIN, WAVE, data, problem, shapes
+from toys import BEND, STEP, TWIN, WAVE, data, fitted, problem, shapes
 
 X = np.linspace(1.0, 3.0, 30)
 SHAPE = {name.partition(".")[0]: shape for name, shape in shapes(X).items()}
@@ -32,7 +30,7 @@ def test_evidence_is_that_of_nested_sampling(toy):
     causes, extra, name = TOYS[toy]
     posed = problem(data(extra, **({"run": np.zeros(30)} if name == "ar1" else {})), causes)
     form, free = forms(posed)[name], posed.free(causes)
-    fit = finished(posed, minimise(posed, form, causes, np.zeros(posed.size)))
+    fit = fitted(posed, causes, name)
     middle, sd, low, high = form.limits()
     half = np.array([posed.parameters[k].one_sided for k in free])
 

@@ -19,16 +19,16 @@ from stickslip.diagnosis.fitting.models import covariance_beside, laplace, linea
 from stickslip.diagnosis.fitting.problem import LOST, Cached, Problem
 from stickslip.diagnosis.fitting.search import Models, _fit_exact_again, _fit_other_forms
 from stickslip.diagnosis.model import posed
-from toys import BEND, LEVEL, SLOPE, STEP, WAVE, data, problem, shapes
+from toys import BEND, LEVEL, SLOPE, STEP, WAVE, counting, data, fitted, problem, shapes
 
 X = np.linspace(1.0, 3.0, 30)
 
 
-def integral(posed, causes, form, h, width=7.0, points=49):
+def integral(posed, causes, form, width=7.0, points=49):
     """Log of the integral of likelihood and prior over three coordinates by sums."""
     free = posed.free(causes)
-    at = finished(posed, minimise(posed, form, causes, np.zeros(posed.size))).x
-    sd = np.sqrt(np.diag(finished(posed, minimise(posed, form, causes, at)).covariance))
+    at = fitted(posed, causes).x
+    sd = np.sqrt(np.diag(fitted(posed, causes, at=at).covariance))
     sd = np.where(sd > 0.0, sd, 0.1)  # at the end of a range
     low, high = posed.limits[:, free]
     axes = [
@@ -39,7 +39,7 @@ def integral(posed, causes, form, h, width=7.0, points=49):
     x = np.zeros((len(grid), posed.size))
     x[:, free] = grid
     density = np.concatenate([
-        form.density(posed.residuals(part), h) for part in np.array_split(x, 10)
+        form.density(posed.residuals(part), np.zeros(0)) for part in np.array_split(x, 10)
     ])  # fmt: skip
     density += -0.5 * np.sum(grid**2, axis=1) - 0.5 * len(free) * math.log(2 * math.pi)
     density += math.log(2.0) * sum(posed.parameters[k].one_sided for k in free)
@@ -60,10 +60,10 @@ def integral(posed, causes, form, h, width=7.0, points=49):
 @pytest.mark.daily("cause1", "cause3")
 def test_evidence_is_the_integral(cause, extra, within):
     (name,) = (each.name for each in cause.parameters)
-    posed = problem(data(extra * shapes(np.linspace(1.0, 3.0, 30))[name]), [cause])
+    posed = problem(data(extra * shapes(X)[name]), [cause])
     form = forms(posed)["exact"]
-    found = finished(posed, minimise(posed, form, [cause], np.zeros(posed.size)))
-    wanted = integral(posed, [cause], form, found.h)
+    found = fitted(posed, [cause])
+    wanted = integral(posed, [cause], form)
     # Laplace's rule is exact but for the curvature of sinh, small beside its width.
     assert found.log_evidence == pytest.approx(wanted, abs=within)
     # Without hyperparameters it is the whole.
@@ -74,9 +74,9 @@ def test_draws_correct_what_laplace_misses():
     # Of a size that the data hardly know: its prior's tails and sinh count.
     posed = problem(data(0.2 * np.sin(5.0 * np.linspace(1.0, 3.0, 6)), sd=0.5, n=6), [WAVE])
     form = forms(posed)["exact"]
-    found = finished(posed, minimise(posed, form, [WAVE], np.zeros(posed.size)))
+    found = fitted(posed, [WAVE])
     made = drawn(posed, form, found, seed=0)
-    wanted = integral(posed, [WAVE], form, found.h)
+    wanted = integral(posed, [WAVE], form)
     # The draws' own error is about 1 / sqrt(256).
     assert found.log_evidence + made.correction == pytest.approx(wanted, abs=0.1)
     assert made.effective > 100
@@ -144,13 +144,12 @@ def test_densities_are_those_of_the_dense_matrix(name, shared):
 def test_a_slow_rest_leaves_more_of_a_size_open_and_a_fast_one_does_not(waves, wider):
     error = 0.5 * np.sin(2.0 * np.pi * waves * (X - 1.0) / 2.0 + 1.0)
     posed = problem(data(0.6 * np.sin(5.0 * X) + error, run=np.zeros(30)), [WAVE])
-    form = forms(posed)["ar1"]
-    fit = finished(posed, minimise(posed, form, [WAVE], np.zeros(posed.size)))
+    fit = fitted(posed, [WAVE], "ar1")
     whole = covariance_beside(posed, fit)
     # An upper bound of the fit's own, in all directions.
     assert np.linalg.eigvalsh(whole - fit.covariance).min() > -1e-9
     assert np.sqrt(whole[-1, -1] / fit.covariance[-1, -1]) == pytest.approx(wider, abs=0.3)
-    exact = finished(posed, minimise(posed, forms(posed)["exact"], [WAVE], np.zeros(posed.size)))
+    exact = fitted(posed, [WAVE])
     assert covariance_beside(posed, exact) is exact.covariance
 
 
@@ -210,8 +209,7 @@ def test_a_lost_row_does_not_stop_the_others():
     assert end.residual[3:5] == pytest.approx(LOST * posed.sd[3:5])
     kept, (table,) = np.delete(np.arange(30), [3, 4]), posed.tables
     alone = problem(Table({"x": table["x"][kept]}, table.y[kept], sd=0.1), [])
-    wanted = finished(alone, minimise(alone, forms(alone)["exact"], [], np.zeros(2)))
-    assert end.x == pytest.approx(wanted.x, abs=1e-3)
+    assert end.x == pytest.approx(fitted(alone).x, abs=1e-3)
 
 
 @pytest.mark.parametrize("name", ["exact", "white", "ar1", "smooth"])
@@ -231,9 +229,8 @@ def test_a_lost_row_has_the_same_price_in_every_form(name, count):
 
 @pytest.mark.parametrize("name", ["exact", "smooth"])
 def test_held_out_errors_are_those_of_refits(name):
-    posed = problem(data(0.3 * np.sin(5.0 * np.linspace(1.0, 3.0, 30))), [WAVE])
-    form = forms(posed)[name]
-    found = finished(posed, minimise(posed, form, [WAVE], np.zeros(posed.size)))
+    posed = problem(data(0.3 * np.sin(5.0 * X)), [WAVE])
+    found = fitted(posed, [WAVE], name)
     parts = parts_of(posed)
     errors = held_out(posed, found, name, parts)
     covariance = dense(posed, name, found.h)
@@ -265,10 +262,7 @@ def test_a_refit_that_meets_the_end_of_a_range_moves_the_rest():
     table = Table(sliding_block.SETTINGS, sliding_block.measured(0, 1.0 + hidden(at)), sd=sd)
     block = posed(table, sliding_block.push, sliding_block.UNCERTAIN, sliding_block.LAWS)
     (law,) = (each for each in block.causes if each.name == law.name)
-    null, found = (
-        finished(block, minimise(block, forms(block)["exact"], causes, np.zeros(block.size)))
-        for causes in ([], [law])
-    )
+    null, found = (fitted(block, causes) for causes in ([], [law]))
     missed = np.abs(held_out(block, found, "exact", parts_of(block))) / block.sd
     # Of a right model about sqrt(2 / pi), and more at the ends of a law that is known by its data.
     assert np.mean(missed) < 1.6
@@ -277,15 +271,11 @@ def test_a_refit_that_meets_the_end_of_a_range_moves_the_rest():
 
 @pytest.mark.parametrize("stuck", ["exact", "smooth"])
 def test_a_form_that_is_stuck_begins_again_where_another_one_is(stuck):
-    posed = problem(data(0.6 * np.sin(5.0 * np.linspace(1.0, 3.0, 30))), [WAVE])
+    posed = problem(data(0.6 * np.sin(5.0 * X)), [WAVE])
     models = Models(posed, posed.causes)
-    null = models.add(
-        finished(posed, minimise(posed, models.forms["exact"], (), np.zeros(posed.size)))
-    )
+    null = models.add(fitted(posed))
     good = "smooth" if stuck == "exact" else "exact"
-    best = models.add(
-        finished(posed, minimise(posed, models.forms[good], [WAVE], np.zeros(posed.size)))
-    )
+    best = models.add(fitted(posed, [WAVE], good))
     # Without any of the cause, which a large discrepancy makes up for.
     slopes = finished(posed, derivatives(posed, null.x, posed.free([WAVE]), null.residual))
     end = End(null.x, null.residual, slopes, math.nan)
@@ -300,20 +290,13 @@ def test_a_form_that_is_stuck_begins_again_where_another_one_is(stuck):
 
 
 def test_searches_in_step_end_as_each_does_by_itself_in_fewer_batches():
-    posed, batches = problem(data(0.6 * np.sin(5.0 * np.linspace(1.0, 3.0, 30)))), []
-    model = posed.model
-
-    def counted(values):
-        batches.append(len(values))
-        return model(values)
-
-    posed = replace(posed, model=counted)
+    posed, batches = counting(problem(data(0.6 * np.sin(5.0 * X))))
     form = forms(posed)["exact"]
     searches = [(cause,) for cause in posed.causes]
     alone, most = [], 0
     for causes in searches:
         batches.clear()
-        alone.append(finished(posed, minimise(posed, form, causes, np.zeros(posed.size))))
+        alone.append(fitted(posed, causes))
         most = max(most, len(batches))
     batches.clear()
     every = [minimise(posed, form, causes, np.zeros(posed.size)) for causes in searches]
@@ -324,14 +307,7 @@ def test_searches_in_step_end_as_each_does_by_itself_in_fewer_batches():
 
 
 def test_a_step_that_gains_what_is_hoped_is_tried_without_damping_alone():
-    posed, batches = problem(data(0.0)), []
-    model = posed.model
-
-    def counted(values):
-        batches.append(len(values))
-        return model(values)
-
-    posed = replace(posed, model=counted)
+    posed, batches = counting(problem(data(0.0)))
     end = finished(
         posed, descend(posed, forms(posed)["exact"], np.zeros(0), [WAVE], np.zeros(posed.size))
     )

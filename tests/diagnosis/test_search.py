@@ -18,8 +18,6 @@ from sliding_block import (
 from stickslip import Cause, Parameter, Prior, Series, Table, diagnose_model, instruments, models
 from stickslip._util.note import Note
 from stickslip.diagnosis.fitting.descent import End, derivatives, finished
-from stickslip.diagnosis.fitting.forms import forms
-from stickslip.diagnosis.fitting.models import minimise
 from stickslip.diagnosis.fitting.options import DESCENT, SEARCH, vary
 from stickslip.diagnosis.fitting.responses import responses
 from stickslip.diagnosis.fitting.search import Models, _fit_singles, _look_beside, search
@@ -27,7 +25,7 @@ from stickslip.diagnosis.fitting.starts import recalibrated
 from stickslip.diagnosis.model import posed
 from stickslip.diagnosis.pipeline import run
 from stickslip.diagnosis.terms.laws import free_law
-from toys import LEVEL, SLOPE, WAVE, data, problem, shapes
+from toys import LEVEL, SLOPE, WAVE, data, fitted, problem, shapes
 
 X = np.linspace(1.0, 3.0, 30)
 
@@ -143,7 +141,7 @@ def two_wells(kink=0.0):
 
 def test_the_model_without_a_cause_is_fitted_again_from_the_leaders_constants():
     posed = two_wells()
-    wrong = finished(posed, minimise(posed, forms(posed)["exact"], (), np.array([-1.0, 0.0, 0.0])))
+    wrong = fitted(posed, at=np.array([-1.0, 0.0, 0.0]))
     assert wrong.x[0] < -0.5
     models = Models(posed, posed.causes)
     models.add(wrong)
@@ -159,13 +157,9 @@ def test_the_model_without_a_cause_is_fitted_again_from_the_leaders_constants():
 def test_a_pair_begins_where_a_response_points_and_where_its_leader_is(monkeypatch):
     posed = two_wells(0.2)
     models = Models(posed, posed.causes)
-    models.add(
-        finished(posed, minimise(posed, models.forms["exact"], (), np.array([1.0, 0.0, 0.0])))
-    )
+    models.add(fitted(posed, at=np.array([1.0, 0.0, 0.0])))
     bump, _ = posed.causes
-    leader = models.add(
-        finished(posed, minimise(posed, models.forms["exact"], [bump], np.array([1.0, 0.0, 0.0])))
-    )
+    leader = models.add(fitted(posed, [bump], at=np.array([1.0, 0.0, 0.0])))
 
     def misled(*given, **options):
         return [
@@ -181,9 +175,7 @@ def test_a_cause_is_looked_at_from_three_ends_and_the_stated_constants_at_most(m
     # However many minima the constants have: each place costs predictions of every cause.
     posed, asked = two_wells(), []
     models = Models(posed, posed.causes)
-    models.add(
-        finished(posed, minimise(posed, models.forms["exact"], (), np.array([1.0, 0.0, 0.0])))
-    )
+    models.add(fitted(posed, at=np.array([1.0, 0.0, 0.0])))
 
     def counted(*given, **options):
         asked.append(given)
