@@ -4,11 +4,12 @@ Positions and forces of a run are in the world's frame, theta and omega in the r
 """
 
 import numpy as np
+import pytest
 from scipy.optimize import brentq
 
 import laws
 from fine_record import Record
-from stickslip import Coils, Scenario, Waveform, simulate, volts_per_tesla
+from stickslip import Coils, Scenario, Waveform, _core, simulate, volts_per_tesla
 
 # Table II, with the mass read as micrograms.
 LENGTH, WIDTH, HEIGHT = 250e-6, 130e-6, 100e-6  # m
@@ -19,6 +20,8 @@ ADHESION = 0.22e-6  # N
 RADIUS = np.hypot(LENGTH, HEIGHT) / 2  # m, from the centre of mass to a corner
 INERTIA = MASS * (LENGTH**2 + HEIGHT**2) / 12  # kg m^2
 MOMENT = LENGTH * WIDTH * HEIGHT * 5e5  # A m^2
+
+needs_arkode = pytest.mark.skipif(not _core.has_arkode, reason="this build has no arkode")
 
 FLIGHT = 0
 STICKING = (1, 4)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from effect_table import rows
-from helpers import HOPS, TIGHT, friction, launched, run, scenario, still_for, tilted
+from helpers import HOPS, TIGHT, friction, launched, needs_arkode, run, scenario, still_for, tilted
 from stickslip import Scenario, _core, simulate, simulate_batch
 
 # mode, frequency (Hz), base and hold (mT), edge, clamp
@@ -24,7 +24,6 @@ def _velocity(mode, frequency, base, hold, edge, clamp, **solver):
 
 
 METHODS = ["tsit5", "arkode"] if _core.has_arkode else ["tsit5"]
-needs_arkode = pytest.mark.skipif(not _core.has_arkode, reason="this build has no arkode")
 
 
 @pytest.mark.skipif(_core.has_arkode, reason="this build has arkode")
@@ -108,17 +107,6 @@ def test_the_two_integrators_agree(name):
     assert ours["events"] == theirs["events"]
     assert ours["painleve_events"] == theirs["painleve_events"]
     assert ours["steps"] != theirs["steps"]  # else one of them stands in for the other
-
-
-@needs_arkode
-def test_arkode_goes_on_where_coils_have_no_delay():
-    # A look inside a step met exactly zero: taken for no root, the search for the next never ended.
-    drive, method = {"mode": "IPP", "base": 0.5e-3, "pulses": 20}, {"solver.method": "arkode"}
-    delayed, quick = (
-        run({"coil.inductance": inductance}, TIGHT, method, **drive).mean_velocity
-        for inductance in (1e-6, 1e-12)
-    )
-    assert quick == pytest.approx(delayed, rel=0.03)  # as in test_pitfalls.py
 
 
 @needs_arkode

@@ -1,10 +1,9 @@
-"""The restricted likelihood of any design, beside matrices, the analysis of variance and a grid."""
+"""The restricted likelihood of any design, beside matrices and a grid."""
 
 import math
 
 import numpy as np
 import pytest
-from scipy.optimize import minimize
 from scipy.sparse import csr_array
 from scipy.special import ndtr
 
@@ -22,20 +21,6 @@ def one_way(blocks, each, seed):
         y, ones, np.zeros(len(y), dtype=int), np.array([len(y) - 1]), np.full(len(y), np.inf),
         shared={"shift": (csr_array(own[block]), own)},
     )  # fmt: skip
-
-
-def test_a_balanced_design_in_one_way_gives_the_analysis_of_variance():
-    y, noise = one_way(6, 5, 0)
-    means = y.reshape(6, 5).mean(axis=1)
-    within = np.sum((y.reshape(6, 5) - means[:, None]) ** 2) / 24
-    between = 5.0 * np.var(means, ddof=1)
-
-    def loss(h):
-        return noise.loss({"s0": h[:1], "shift": h[1:]})[0]
-
-    s0, shift = minimize(loss, [0.0, 0.0], method="Nelder-Mead", options={"xatol": 1e-7}).x
-    assert math.exp(2 * s0) == pytest.approx(within, rel=1e-5)
-    assert math.exp(2 * (s0 + shift)) == pytest.approx((between - within) / 5, rel=1e-5)
 
 
 def test_the_likelihood_of_any_design_is_that_of_the_whole_covariance():

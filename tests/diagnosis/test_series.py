@@ -315,6 +315,17 @@ def test_vectors_that_differ_in_another_record_alone_share_a_prediction():
     assert asked == [("a", 4), ("b", 4), ("c", 4)]
 
 
+def beside_dense(problem, covariance, kept, seed):
+    """A correlated discrepancy of all rows and of those that are kept, beside a dense matrix."""
+    form, h, rows = Correlated(problem), np.log([0.7, 2.0, 0.04]), len(covariance)
+    columns = random(seed).standard_normal((rows, 3))
+    dense = multivariate_normal(np.zeros(rows), covariance).logpdf(columns.T)
+    assert form.density(columns.T, h) == pytest.approx(dense, rel=1e-9)
+    own, inner = form.of_rows(kept), covariance[np.ix_(kept, kept)]
+    dense = columns[kept].T @ np.linalg.solve(inner, columns[kept])
+    assert own.gram(own.prepared(columns), h) == pytest.approx(dense, rel=1e-9)
+
+
 def test_a_correlated_discrepancy_and_its_kept_rows_beside_dense_matrices():
     """Two records and a table of blocks, whose errors are correlated on their own."""
     records = [made(60, 1, name="a", sd=0.05), made(30, 2, name="b", sd=0.02)]
@@ -325,21 +336,14 @@ def test_a_correlated_discrepancy_and_its_kept_rows_beside_dense_matrices():
     tables = (*records, table)
     errors = table.errors.covariance
     problem = Problem(tables, lambda values: np.zeros((len(values), 93)), ())
-    form, h, rows = Correlated(problem), np.log([0.7, 2.0, 0.04]), 90 + len(table.mean)
     covariance = np.diag((0.7 * problem.sd) ** 2)
     covariance[90:, 90:] = 0.7**2 * errors
     assert np.abs(np.corrcoef(errors)[0, 1]) > 0.5
     for part, record, s in zip(problem.rows, records, (0.1, 0.04), strict=False):
         apart = np.abs(np.subtract.outer(record.order, record.order)) / (len(record) - 1)
         covariance[part, part] += s**2 * np.exp(-apart / 0.04)
-    residual = random(13).standard_normal((1, rows))
-    dense = multivariate_normal(np.zeros(rows), covariance).logpdf(residual[0])
-    assert form.density(residual, h) == pytest.approx(dense, rel=1e-9)
-    columns = random(13).standard_normal((rows, 3))
-    kept = np.setdiff1d(np.arange(rows), [0, 1, *range(20, 40), 59, 60, 75])
-    own, inner = form.of_rows(kept), covariance[np.ix_(kept, kept)]
-    dense = columns[kept].T @ np.linalg.solve(inner, columns[kept])
-    assert own.gram(own.prepared(columns), h) == pytest.approx(dense, rel=1e-9)
+    kept = np.setdiff1d(np.arange(len(covariance)), [0, 1, *range(20, 40), 59, 60, 75])
+    beside_dense(problem, covariance, kept, 13)
 
 
 def test_a_correlated_discrepancy_along_the_mean_of_runs_beside_a_dense_matrix():
@@ -352,18 +356,12 @@ def test_a_correlated_discrepancy_along_the_mean_of_runs_beside_a_dense_matrix()
     for tables in ((table,), (table, other)):
         count = sum(len(one.mean) for one in tables)
         problem = Problem(tables, np.zeros_like, ())
-        form, h = Correlated(problem), np.log([0.7, 2.0, 0.04])
         covariance = np.diag((0.7 * problem.sd) ** 2)
         s = 2.0 * np.median(table.errors.sd)
         apart = np.abs(np.subtract.outer(table.order, table.order)) / 11.0
         covariance[:12, :12] = 0.49 * table.errors.covariance + s**2 * np.exp(-apart / 0.04)
-        columns = random(17).standard_normal((count, 3))
-        dense = multivariate_normal(np.zeros(count), covariance).logpdf(columns.T)
-        assert form.density(columns.T, h) == pytest.approx(dense, rel=1e-9)
         kept = np.setdiff1d(np.arange(count), [0, 5, 6, count - 1])
-        own = form.of_rows(kept)
-        dense = columns[kept].T @ np.linalg.solve(covariance[np.ix_(kept, kept)], columns[kept])
-        assert own.gram(own.prepared(columns), h) == pytest.approx(dense, rel=1e-9)
+        beside_dense(problem, covariance, kept, 17)
 
 
 @pytest.mark.parametrize(
