@@ -153,15 +153,6 @@ def test_every_section_is_optional_but_drive(tmp_path):
     assert load(path) == Scenario()
 
 
-def test_a_program_survives_the_file(tmp_path):
-    waveform = Waveform.from_points([0.0, 0.1, 0.1, 0.3], np.arange(20.0).reshape(4, 5) / 3.0)
-    scenario = Scenario(drive=Drive(mode="program", program=waveform))
-    path = tmp_path / "scenario.toml"
-    scenario.to_toml(path)
-    assert load(path) == scenario
-    assert load(path).drive.program.blocks[0][1][2, 3] == 13.0 / 3.0
-
-
 def test_an_extension_at_its_default_is_no_extension():
     # The core defines an extension as absent at zero, so these simulate the same.
     assert Scenario(effects={"surface_tilt": {"angle": 0.0}, "eddy_lag": {}}) == Scenario()

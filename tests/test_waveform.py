@@ -165,8 +165,6 @@ def test_times_that_fall_by_rounding_are_jumps():
     falling = [0.0, np.nextafter(0.055, 1.0), 0.055, 0.06]
     rows = np.arange(20.0).reshape(4, 5)
     assert Waveform.from_points(falling, rows).voltages(0.0551)[0] > 10.0
-    with pytest.raises(ValueError, match=r"t = 0.054 s follows 0.055 s"):
-        Waveform.from_points([0.0, 0.055, 0.054, 0.06], rows)
     for duration in (-1.0, 0.0, math.inf):
         with pytest.raises(ValueError, match="duration = "):
             Waveform.hold(duration, {"xp": 1.0})
