@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from helpers import needs_arkode
 from measured_maps import (
     COUNT,
     HALF,
@@ -31,7 +32,6 @@ from stickslip import (
     Scenario,
     ScenarioError,
     Waveform,
-    _core,
     plot,
     simulate,
     simulate_batch,
@@ -230,7 +230,7 @@ def test_a_map_that_begins_at_the_surface_suffices():
     assert simulate(with_map(above)).mean_velocity == pytest.approx(expected, rel=1e-4)
 
 
-@pytest.mark.skipif(not _core.has_arkode, reason="this build has no arkode")
+@needs_arkode
 def test_both_integrators_take_a_map(exact):
     one, other = (simulate(with_map(exact, solver__method=each)) for each in ("tsit5", "arkode"))
     assert other.mean_velocity == pytest.approx(one.mean_velocity, rel=1e-5)

@@ -10,7 +10,7 @@ import time
 import numpy as np
 import pytest
 
-from own_effects import register, unregister
+from own_effects import nothing_stays, register  # noqa: F401 (around every test here)
 from steps import STEP, named, random_rows
 from stickslip import (
     STATE_COLUMNS,
@@ -250,38 +250,33 @@ def test_a_batch_is_usable_after_an_effect_that_raised():
         return (0.0, 0.0, 0.0)
 
     register(pushed, name="raises_once")
-    try:
-        one = Scenario().replace({"effects.raises_once.k": 1.0})
-        away = one.replace({"initial.x": 1e-3})  # the only one that raises
-        batch = _core.SimulatorBatch(
-            [one.to_core(), away.to_core(), one.to_core()], whole_plane=False
-        )
-        volts = np.tile([10.0, 0.0, 0.0, 0.0, -10.0], (3, 1))
+    one = Scenario().replace({"effects.raises_once.k": 1.0})
+    away = one.replace({"initial.x": 1e-3})  # the only one that raises
+    batch = _core.SimulatorBatch([one.to_core(), away.to_core(), one.to_core()], whole_plane=False)
+    volts = np.tile([10.0, 0.0, 0.0, 0.0, -10.0], (3, 1))
+    batch.step(volts, STEP, False, threads)
+    raises["now"] = True
+    with pytest.raises(RuntimeError, match="once"):
         batch.step(volts, STEP, False, threads)
-        raises["now"] = True
-        with pytest.raises(RuntimeError, match="once"):
-            batch.step(volts, STEP, False, threads)
-        raises["now"] = False
-        names = [tuple(_core.statuses)[each] for each in batch.statuses()]
-        assert names[1] == "interrupted"
-        assert set(names) <= {"ok", "interrupted"}
-        # Those that came to the end of the step are there, and go on.
-        twin = _core.SimulatorBatch([one.to_core()], whole_plane=False)
-        for _ in range(2):
-            twin.step(volts[:1], STEP, False, 1)
-        done = [run for run in (0, 2) if names[run] == "ok"]
-        for run in done:
-            assert batch_states(batch, 3)[run].tolist() == batch_states(twin, 1)[0].tolist()
-        for run in range(3):
-            if run not in done:
-                batch.reset(run, (away if run == 1 else one).to_core())
-        before = batch_states(batch, 3)
-        batch.step(volts, STEP, False, threads)
-        assert not batch.statuses().any()
-        current = STATE_COLUMNS.index("current_xp")
-        assert (batch_states(batch, 3)[:, current] > before[:, current]).all()
-    finally:
-        unregister("raises_once")
+    raises["now"] = False
+    names = [tuple(_core.statuses)[each] for each in batch.statuses()]
+    assert names[1] == "interrupted"
+    assert set(names) <= {"ok", "interrupted"}
+    # Those that came to the end of the step are there, and go on.
+    twin = _core.SimulatorBatch([one.to_core()], whole_plane=False)
+    for _ in range(2):
+        twin.step(volts[:1], STEP, False, 1)
+    done = [run for run in (0, 2) if names[run] == "ok"]
+    for run in done:
+        assert batch_states(batch, 3)[run].tolist() == batch_states(twin, 1)[0].tolist()
+    for run in range(3):
+        if run not in done:
+            batch.reset(run, (away if run == 1 else one).to_core())
+    before = batch_states(batch, 3)
+    batch.step(volts, STEP, False, threads)
+    assert not batch.statuses().any()
+    current = STATE_COLUMNS.index("current_xp")
+    assert (batch_states(batch, 3)[:, current] > before[:, current]).all()
 
 
 def test_ctrl_c_ends_a_long_step_of_a_batch_and_leaves_it_usable():
@@ -476,17 +471,14 @@ def test_an_effect_that_raises_leaves_the_simulator_where_it_was():
         return 1e-9 * parameters[0], 0.0, 0.0
 
     register(push)
-    try:
-        scenario = Scenario(effects={"own": {"k": 0.5}})
-        sim, twin = Simulator(scenario), Simulator(scenario)
-        for each in (sim, twin):
-            each.step({"clamp": -10.0, "xp": 5.0}, 10 * STEP)
-        raises = True
-        with pytest.raises(RuntimeError, match="today"):
-            sim.step({"xp": 20.0}, 10 * STEP)
-        raises = False
-        assert (sim.status, sim.time, sim.state) == (twin.status, twin.time, twin.state)
-        assert sim.voltages == twin.voltages
-        assert sim.step({"xp": -5.0}, STEP) == twin.step({"xp": -5.0}, STEP)
-    finally:
-        unregister("own")
+    scenario = Scenario(effects={"own": {"k": 0.5}})
+    sim, twin = Simulator(scenario), Simulator(scenario)
+    for each in (sim, twin):
+        each.step({"clamp": -10.0, "xp": 5.0}, 10 * STEP)
+    raises = True
+    with pytest.raises(RuntimeError, match="today"):
+        sim.step({"xp": 20.0}, 10 * STEP)
+    raises = False
+    assert (sim.status, sim.time, sim.state) == (twin.status, twin.time, twin.state)
+    assert sim.voltages == twin.voltages
+    assert sim.step({"xp": -5.0}, STEP) == twin.step({"xp": -5.0}, STEP)

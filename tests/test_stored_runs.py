@@ -16,7 +16,7 @@ import xarray
 
 from command_line import COMMAND, files_up_to, python_process, stickslip, stickslip_process
 from killed_recordings import killed
-from own_effects import register, unregister
+from own_effects import nothing_stays, register  # noqa: F401 (around every test here)
 from recorded_runs import COARSE, DENSE, ENDLESS, assert_same_record, flat_columns
 from stickslip import (
     Drive,
@@ -297,14 +297,11 @@ def test_an_effect_that_fails_keeps_the_record(tmp_path):
         return 0.0, 0.0, 0.0
 
     register(failing, name="own")
-    try:
-        with pytest.raises(LookupError, match="broken"):
-            simulate(COARSE.replace({"effects.own.k": 0.5}), out=tmp_path / "run.nc")
-        run = open_run(tmp_path / f"run.nc{PART}")
-        assert (run.status, run.complete) == ("interrupted", False)
-        assert 0 < len(run.t) < 341
-    finally:
-        unregister("own")
+    with pytest.raises(LookupError, match="broken"):
+        simulate(COARSE.replace({"effects.own.k": 0.5}), out=tmp_path / "run.nc")
+    run = open_run(tmp_path / f"run.nc{PART}")
+    assert (run.status, run.complete) == ("interrupted", False)
+    assert 0 < len(run.t) < 341
 
 
 @pytest.mark.nightly

@@ -6,12 +6,10 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from own_effects import unregister
+from own_effects import nothing_stays, parameter, register  # noqa: F401 (around every test)
 from stickslip import (
-    EffectParameter,
     Scenario,
     Simulator,
-    register_effect,
     rollout,
     simulate,
     simulate_batch,
@@ -36,14 +34,7 @@ def pushed():
     def force(state, parameters):
         return parameters[0], 0.0, 0.0
 
-    register_effect(
-        "pushed",
-        force,
-        [EffectParameter(name="force", unit="N", low=-1e-6, high=1e-6, meaning="along x")],
-        meaning="a constant force",
-    )
-    yield
-    unregister("pushed")
+    register(force, parameter("force", low=-1e-6, high=1e-6, unit="N"), name="pushed")
 
 
 def work(scenario):

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from frozen.scenarios import OWN_NAME, register_own_effect, scenarios
+from frozen.scenarios import scenarios
 from measured_maps import formula_fields, formula_map, grid
-from own_effects import unregister
 from stickslip import (
     COIL_NAMES,
     Coil,
@@ -127,12 +126,9 @@ def test_values_of_other_devices_get_none(changes):
     assert notes_of(Scenario().replace(changes)) == []
 
 
+@pytest.mark.usefixtures("frozen_effect")
 def test_sound_scenarios_of_all_kinds_get_none():
-    register_own_effect()
-    try:
-        found = {name: notes_of(each) for name, each in scenarios().items()}
-    finally:
-        unregister(OWN_NAME)
+    found = {name: notes_of(each) for name, each in scenarios().items()}
     assert {name: notes for name, notes in found.items() if notes} == {}
 
 
