@@ -132,15 +132,6 @@ def launched(seconds):
     return {**LAUNCHER, **program(lift + Waveform.hold(seconds, {}))}
 
 
-def corner_offsets(of):
-    """x and z of the four corners from the centre of mass, m, robot's frame, shape (4, n) each."""
-    robot = of.scenario.robot
-    a = 0.5 * robot.length * np.array([[1], [-1], [-1], [1]])
-    b = 0.5 * robot.height * np.array([[-1], [-1], [1], [1]])
-    cosine, sine = np.cos(of.theta), np.sin(of.theta)
-    return a * cosine + b * sine, -a * sine + b * cosine
-
-
 def is_mode(of, codes):
     return np.isin(of.contact, codes)
 

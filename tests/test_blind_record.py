@@ -2,7 +2,6 @@
 
 import json
 from collections import Counter
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -14,8 +13,6 @@ from blind.writing import KEYS
 
 from stickslip.walker import read_measurement
 from stickslip.walker.velocity import VelocityTable
-
-ROOT = Path(__file__).resolve().parents[1]
 
 
 def _row(kind, answer, said, verdict="named", seed=7, **more):

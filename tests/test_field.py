@@ -71,31 +71,28 @@ def test_field_agrees_with_magpylib(coil):
     assert np.max(error / np.linalg.norm(expected, axis=1)) < 1e-10
 
 
-@pytest.mark.parametrize("coil", COIL_NAMES)
-def test_field_and_gradient_agree_with_quadrature(coil):
+def check_by_quadrature(coil, point):
     # 480 terms of both signs, and nodes known to 1e-15: some hundred roundings, and for the
     # gradient ten times that.
-    coils = Coils()
+    field = biot_savart(coil, point)
+    gradient = complex_step(lambda at: biot_savart(coil, at), point)
+    got_field = Coils().field(point, unit_current(coil))
+    got_gradient = Coils().gradient(point, unit_current(coil))
+    assert np.linalg.norm(got_field - field) < 1e-13 * np.linalg.norm(field)
+    assert np.linalg.norm(got_gradient - gradient) < 1e-12 * np.linalg.norm(gradient)
+
+
+@pytest.mark.parametrize("coil", COIL_NAMES)
+def test_field_and_gradient_agree_with_quadrature(coil):
     for point in points_in_cube(0.1, 20, seed=2):
-        field = biot_savart(coil, point)
-        gradient = complex_step(lambda at: biot_savart(coil, at), point)
-        got_field = coils.field(point, unit_current(coil))
-        got_gradient = coils.gradient(point, unit_current(coil))
-        assert np.linalg.norm(got_field - field) < 1e-13 * np.linalg.norm(field)
-        assert np.linalg.norm(got_gradient - gradient) < 1e-12 * np.linalg.norm(gradient)
+        check_by_quadrature(coil, point)
 
 
 @pytest.mark.parametrize("offset", [0.0, 1e-12, 1e-8, 1e-4])
 @pytest.mark.parametrize("end", [1, -1])
 def test_on_the_prolongation_of_a_wire(offset, end):
     # The formula as it is printed is 0/0 here and has lost all digits beside it.
-    point = np.array([DISTANCE + offset, HALF, end * (HALF + 0.02)])
-    field = biot_savart("xp", point)
-    gradient = complex_step(lambda at: biot_savart("xp", at), point)
-    got_field = Coils().field(point, unit_current("xp"))
-    got_gradient = Coils().gradient(point, unit_current("xp"))
-    assert np.linalg.norm(got_field - field) < 1e-13 * np.linalg.norm(field)
-    assert np.linalg.norm(got_gradient - gradient) < 1e-12 * np.linalg.norm(gradient)
+    check_by_quadrature("xp", np.array([DISTANCE + offset, HALF, end * (HALF + 0.02)]))
 
 
 def test_field_close_to_a_wire_is_that_of_a_straight_wire():

@@ -17,7 +17,6 @@ from stickslip._util.text import json_text
 TEXT = "stickslip = 1\n[drive]\nbase = 0.5e-3\npulses = 4\n"
 VARY = ["--vary", "drive.frequency=30:90:3", "--vary", "drive.mode=OPP,IPP"]
 GRID = {"drive.frequency": [30.0, 60.0, 90.0], "drive.mode": ["OPP", "IPP"]}
-ENDLESS = ["--set=solver.max_step=1e-6", "--vary", "drive.frequency=50:60:1000"]
 
 
 def test_json_is_one_object_with_the_summaries_of_single_runs(scenario):

@@ -18,7 +18,6 @@ from stickslip.models.kinds import KINDS
 from stickslip.models.model import Kind
 
 T = np.linspace(0.0, 2.0, 201)
-HELD = 0.01
 FACTORIES = {name: getattr(models, name) for name in KINDS}
 LEAST = {
     "joint": {"inertia": 0.1, "reads": "angle"},
