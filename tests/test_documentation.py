@@ -130,6 +130,11 @@ def beside_other_tools():
         )
 
 
+def most_of(rows):
+    """The commit of most rows of a study; the others' answers are of the same golden verdicts."""
+    return Counter(row["state"]["commit"] for row in rows).most_common(1)[0][0]
+
+
 def measured_words():
     """Measured and counted figures, from their files, as the words of each page."""
     speed, peers, real = (
@@ -194,7 +199,7 @@ def measured_words():
     ]
     record = read(STUDY)
     (_,) = {row["state"]["golden"] for row in record}  # of one engine, by commits that say alike
-    judged = Counter(row["state"]["commit"] for row in record).most_common(1)[0][0]
+    judged = most_of(record)
     walkers = [case for case in map(Case, record) if case.counted]
     hiding, other, empty = (
         [case for case in walkers if case.group == each]
@@ -214,13 +219,12 @@ def measured_words():
         f" {sum(case.any_claim for case in empty) or 'none'}.",
     ]
     cases = [case for case in map(Case, read(LAWS)) if case.counted]
-    (of_laws,) = {case.row["state"]["commit"] for case in cases}
     law, sound = (
         [case for case in cases if case.group == each] for each in ("unlisted", "nothing")
     )
     shaped = [case for case in law if case.right_shape]
     counts_of_laws = [
-        f"{len(cases)} sets of 24 velocities, as of commit `{of_laws}`",
+        f"{len(cases)} sets of 24 velocities, as of commit `{most_of(case.row for case in cases)}`",
         f"Of {len(law)} with such a law the diagnosis says where it acts in"
         f" {sum(case.hook_right for case in law)}, and claims a cause that acts elsewhere in"
         f" {sum(case.any_claim and not case.hook_right for case in law) or 'none'}. In"

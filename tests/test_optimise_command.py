@@ -15,10 +15,6 @@ ramp = 0.02
 [uncertain]
 "contact.adhesion" = { mean = 0.22e-6, sd = 0.03e-6 }
 """
-HOPS = (
-    "--set", "drive.mode=OPP", "--set", "drive.frequency=400", "--set", "robot.length=0.4e-3",
-    "--set", "robot.width=0.25e-3", "--set", "robot.height=0.15e-3",
-)  # fmt: skip
 FEW = ("--draws", 3, "--fresh", 5, "--evaluations")
 WAVE = ("--maximise", "mean_velocity", "--limit", "voltage_max=26", "--knots", 4)
 
