@@ -19,7 +19,7 @@ import warnings
 from importlib.metadata import version
 
 import numpy as np
-from mahotas import labeled
+from mahotas import labeled as bodies  # codespell:ignore labeled
 from scipy import ndimage
 
 warnings.simplefilter("error")
@@ -30,18 +30,18 @@ frame = np.full(labels.shape, 200, np.uint8)
 height = np.where(labels == 1, -3.5, np.where(labels == 2, 7.5, -9.0))
 
 for kind in (np.float64, np.float32, np.int32):
-    found = labeled.labeled_max(height.astype(kind), labels)
+    found = bodies.labeled_max(height.astype(kind), labels)
     right = ndimage.maximum(height.astype(kind), labels, range(3))
     print(f"largest of {kind.__name__} values around, in body 1 and 2: {found}, scipy {right}")
     if kind is np.int32:
         assert np.array_equal(found, right)
     else:
         assert np.array_equal(found, [np.finfo(kind).tiny, np.finfo(kind).tiny, 7.5]) and right[1] == -3.5
-mended = -labeled.labeled_min(-height, labels)
+mended = -bodies.labeled_min(-height, labels)
 print(f"as the least of minus: {mended}")
 assert np.array_equal(mended, [-9.0, -3.5, 7.5])
-total, wide = labeled.labeled_sum(frame, labels), labeled.labeled_sum(frame.astype(float), labels)
-count, right = labeled.labeled_sum(frame > 100, labels), ndimage.sum_labels(frame, labels, range(3))
+total, wide = bodies.labeled_sum(frame, labels), bodies.labeled_sum(frame.astype(float), labels)
+count, right = bodies.labeled_sum(frame > 100, labels), ndimage.sum_labels(frame, labels, range(3))
 print(f"sum of uint8 {total}, of floats {wide}, by scipy {right}; count of bright pixels {count}")
 assert np.array_equal(total, right % 256) and total[2] == 32 and np.array_equal(wide, right) and count.dtype == bool
 PROGRAM
