@@ -1,10 +1,9 @@
 #!/usr/bin/env bash
 # Expected: a block on a plane with a friction of 0.5 slides once it is pushed by more than 0.5 of its weight, whatever
 #   the direction; two bodies with a restitution of 0.9 bounce with 0.9.
-# What happens: friction is a box of two axes of the world: along x the limit is right, along a diagonal 1.41 times
-#   as large: a push of 1.3 times the limit holds, and a block thrown along it stops after 0.70 of the way. Friction is
-#   the smaller of the two bodies', but restitution is their product: from 1 m it is back at 0.66 m for 0.81 m.
-#   No warning.
+# What happens: friction is a box of two axes of the world: along x the limit is right, along a diagonal 1.41 times as
+#   large: a push of 1.3 times the limit holds, and a block thrown along it stops after 0.70 of the way. Friction is the
+#   smaller of the two bodies', but restitution their product: from 1 m it is back at 0.66 m for 0.81 m. No warning.
 # Package: dartpy 6.20.0, numpy 2.4.6. Source: found by trying.
 # Who is hurt: whoever steers a sliding robot in the plane, or fits a friction from a path that turns.
 # Instead: the root of the restitution (tried); for friction an engine with a round cone, as MuJoCo's elliptic one.

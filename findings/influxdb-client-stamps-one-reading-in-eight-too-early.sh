@@ -1,6 +1,5 @@
 #!/usr/bin/env bash
-# Expected: a reading at a whole millisecond has this millisecond in the line protocol at the precision "ms", so that
-#   1000 readings of 1 kHz are 1000 points.
+# Expected: 1000 readings at whole milliseconds are at the precision "ms" 1000 points of the line protocol.
 # What happens: times go through floating-point seconds and are cut: at "ms" and "us" 1250 of 10 000 readings are one
 #   unit too early; at "ms" they share their instant with the reading before, and the database keeps the later of two
 #   points of one instant. "ns" is right. With data frames it is alike. A `Point` drops NaN and Inf, a frame writes inf;

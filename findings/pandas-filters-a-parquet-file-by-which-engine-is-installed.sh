@@ -1,6 +1,5 @@
 #!/usr/bin/env bash
-# Expected: `pandas.read_parquet(file, filters=...)` gives the rows that fulfil the filter, and a frame that was stored
-#   comes back, with pyarrow and with fastparquet.
+# Expected: `pandas.read_parquet(file, filters=...)` gives the rows that fulfil the filter, with either engine.
 # What happens: with fastparquet, which pandas takes where pyarrow is missing, a filter leaves out whole groups of rows
 #   alone: of readings 3, 1, 5, 2 with x > 2.5 all four remain. Durations are stored in whole microseconds, 100 and
 #   999 ns as 0, though instants keep nanoseconds; in pyarrow's file it reads durations and times of day as bare

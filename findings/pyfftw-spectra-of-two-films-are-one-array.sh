@@ -1,6 +1,5 @@
 #!/usr/bin/env bash
-# Expected: what `pyfftw.builders` returns is called like scipy's `rfft`: each call gives a spectrum, and its argument
-#   stays.
+# Expected: what `pyfftw.builders` returns gives a spectrum at each call, as scipy's `rfft`, and leaves its argument.
 # What happens: all calls give one array: with `before = f(film); after = f(other)` both are the second spectrum, and
 #   their difference is 0. A spectrum in two dimensions is overwritten by `builders.irfft2` of it, where it lies aligned
 #   in memory, which is chance with numpy. A transform made for float32 casts float64 readings. No warning.

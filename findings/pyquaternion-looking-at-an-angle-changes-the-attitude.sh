@@ -1,10 +1,9 @@
 #!/usr/bin/env bash
 # Expected: asking a quaternion for its angle, its axis or its matrix, or interpolating between two, changes neither.
 # What happens: `degrees`, `axis`, `rotation_matrix` and `rotate` make the quaternion itself of length 1: the sum of 100
-#   scattered attitudes, whose length tells their scatter, goes from 80 to 1 when its angle is printed; `inverse` does
-#   not do so. `slerp` turns the sign of its first argument where the signs of the two differ: a log that was smooth has
-#   a jump from q to -q after one attitude between its rows was asked for. Quaternion(q) is no copy: both have one
-#   array. No warning.
+#   scattered attitudes, whose length tells their scatter, goes from 80 to 1 when its angle is printed. `slerp` turns
+#   the sign of its first argument where the signs of the two differ: a log that was smooth jumps from q to -q after
+#   one attitude between its rows was asked for. Quaternion(q) is no copy: both have one array. No warning.
 # Package: pyquaternion 0.9.9, numpy 2.4.6. Source: slerp's normalising is documented, the rest was tried.
 # Who is hurt: whoever adds, weighs or differentiates attitudes after a look at them.
 # Instead: Quaternion(q.elements.copy()) for what is looked at (tried), or scipy's Rotation.

@@ -1,6 +1,5 @@
 #!/usr/bin/env bash
-# Expected: what `save_csv` or `save_labelstudio` writes is read back with its points in their order, so that column 0
-#   of `numpy()` stays the head.
+# Expected: `save_csv` and `save_labelstudio` keep the order of points, so that column 0 of `numpy()` stays the head.
 # What happens: "sleap" (the default) and "instances" bring the points in the order of the alphabet: column 0 is an arm.
 #   "frames" adds a point "inst0" that nobody tracked. Label Studio's file comes back in an order that changes from run
 #   to run of the program, with one film for each frame, so that `numpy()` is one frame of nine, and without tracks and

@@ -1,6 +1,5 @@
 #!/usr/bin/env bash
-# Expected: a trajectory that `compute_trajectory` returns keeps the limits that it was given, the closer the finer the
-#   grid.
+# Expected: a trajectory of `compute_trajectory` keeps the limits that it was given, the closer the finer the grid.
 # What happens: by default the times of the grid are joined by a spline, which overshoots where the acceleration jumps,
 #   as it does in each time-optimal motion: with a limit of 2 it is 2.03 to 2.3 along a zigzag, a square and a path with
 #   a turn back with 20 points, 2.1 to 2.2 with the automatic grid and with 1000. Velocity is right with 1000, and the
