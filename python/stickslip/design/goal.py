@@ -123,8 +123,9 @@ class Goal:
         unit = units.unit_label(FIGURES[name].unit)
         of = "of" if sign > 0.0 else "of at least"
         text = f"{name} {value:.6g} {of} {limit:.6g} {unit}".rstrip()
-        flag = "--allow-pull" if column in DRAGGED else "--allow-flight"
-        return text + (f", default ({flag} removes it)" if column in self.assumed else "")
+        name = "pull" if column in DRAGGED else "flight"
+        flag = f", default (--allow-{name} or allow_{name}=True removes it)"
+        return text + flag * (column in self.assumed)
 
     def passed(self, worst: Mapping[str, float]) -> list[str]:
         """The worst values that pass their limits, each beside it."""
