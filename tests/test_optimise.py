@@ -525,6 +525,12 @@ def test_words_alone_and_a_map_are_written(few, tmp_path):
     assert {*found.files} == {"best.toml", "best.map.json", "best.png"}
     again = simulate(load(tmp_path / "best.toml"))
     assert again.mean_velocity == found.table["score"]["best"]
+    # Other pulses than those of the start are told where they are written.
+    other = replace(found, scenario=found.scenario.replace({"drive.pulses": 9}))
+    other.save_report(tmp_path)
+    assert (tmp_path / "best.toml").read_text().startswith("# drive.pulses = 9, ")
+    assert "drive.pulses = 9, " in other.summary()
+    assert "drive.pulses" not in found.summary()
 
 
 def test_a_missing_library_is_named_with_its_extra(monkeypatch):

@@ -252,6 +252,14 @@ class Optimum(OneLine):
             text += f"; so does --{asked} {ALONG} with drive.direction = -x"
         return [text]
 
+    @property
+    def _pulses(self) -> list[str]:
+        """A line on the pulses where the search set others than the start has."""
+        drive, start = self.scenario.drive, self.start.drive
+        if drive.kind == "program" or drive.pulses == start.pulses:
+            return []
+        return [f"drive.pulses = {drive.pulses}, which last as long as {start.pulses} of the start"]
+
     def _drive_lines(self) -> list[str]:
         """A line for each key, and for the knots of each coil."""
         lines, knots = [], dict[str, list[str]]()
@@ -263,6 +271,7 @@ class Optimum(OneLine):
             else:
                 unit = units.unit_label(find_key(name).unit)
                 lines.append(f"{name} = {value:.6g} {unit}".rstrip())
+        lines += self._pulses
         return lines + [f"{coil} = {' '.join(values)} V" for coil, values in knots.items()]
 
     def as_dict(self) -> dict[str, Any]:
@@ -313,7 +322,7 @@ class Optimum(OneLine):
         that one cannot be written.
         """
         folder = Path(out)
-        comments = [self.beyond] if self.beyond else []
+        comments = [*[self.beyond] * (self.beyond != ""), *self._pulses]
         writers = scenario_writers(self.scenario, folder / BEST, comments, VOLTAGES)
         writers[folder / FIGURE] = functools.partial(self.figure().savefig, dpi=150)
         folder.mkdir(parents=True, exist_ok=True)
