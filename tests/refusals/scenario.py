@@ -251,6 +251,7 @@ REFUSALS = [
     ("file", "\n \n", "is empty"),
     ("file", HEAD + "frequency = = 3\n", ["not valid TOML", "line 3"]),
     ("file", HEAD + "peak = 1\npeak = 2\n", ["not valid TOML", "line 4"]),
+    ("file", HEAD + "base = 0,5e-3\n", ["not valid TOML", "line 3", "decimal point"]),
     ("file", b"\x89PNG\r\n\x1a\n\xff\xfe" * 9, "is no text"),
     ("file", b"\0" * 99, "not valid TOML"),
     ("file", b"a" * (2 << 20), "is longer than"),
