@@ -142,6 +142,7 @@ REFUSALS = [
      ScenarioError, ["voltages: xp = nan", "finite number"]),
     *((f"until {condition}", until(condition), ScenarioError,
        ["until", "theta <= -1.5"]) for condition in ("x = 3", "w >= 2", "x >= nan", "x >= 3 m", 3)),
+    ("until a misspelt name", until("thet > 1"), ScenarioError, 'did you mean "theta"?'),
     ("until y", until("y >= 1e-3"), ScenarioError, ["until", "plane y = 0"]),
     ("until heading", until("heading >= 3.2", heading=0.3), ScenarioError, ["from -pi to pi"]),
     ("a file as scenario", lambda _: simulate("walk.toml"), ScenarioError,

@@ -12,7 +12,7 @@ from typing import Any
 from stickslip import _core
 from stickslip._util.arrays import worker_count
 from stickslip._util.files import NETCDF_SUFFIXES, check_suffix, check_writable
-from stickslip._util.messages import as_list, check_kind, refuse
+from stickslip._util.messages import as_list, check_kind, meant, refuse
 from stickslip._util.text import highest
 from stickslip.errors import ScenarioError
 from stickslip.scenario.scenario import Scenario
@@ -32,7 +32,7 @@ Condition = tuple[str, bool, float]
 MOST_IN_MEMORY = 10_000_000
 """Samples that a record without a file can have, at some 170 bytes each."""
 
-_CONDITION = re.compile(r"\s*(\w+)\s*([<>]=)\s*(\S+)\s*")
+_CONDITION = re.compile(r"\s*(\w+)\s*([<>])=?\s*(\S+)\s*")
 
 
 def check_progress(progress: object) -> None:
@@ -75,7 +75,8 @@ def _parsed(until: str | None, scenarios: Iterable[Scenario]) -> Condition | Non
             "until",
             until,
             'a condition such as "x >= 3e-3" or "theta <= -1.5", of '
-            f"{', '.join(_core.stop_quantities)} (SI units and rad)",
+            f"{', '.join(_core.stop_quantities)} (SI units and rad)"
+            + ("" if match is None else meant(match[1], _core.stop_quantities)),
         )
     quantity = match[1]
     if quantity in _core.plane_columns and not all(scenario.whole_plane for scenario in scenarios):
@@ -87,7 +88,7 @@ def _parsed(until: str | None, scenarios: Iterable[Scenario]) -> Condition | Non
         )
     if quantity == "heading" and abs(value) > math.pi:
         refuse("until", until, "a heading from -pi to pi, beyond which it goes on at -pi")
-    return quantity, match[2] == ">=", value
+    return quantity, match[2] == ">", value
 
 
 def simulate(
