@@ -301,13 +301,13 @@ def joint(
 def axis(
     *, reads: str = "position", smooth: bool = False, without: Sequence[str] = (), **known: Known
 ) -> Model:
-    """An axis or a cart: its mass is driven by a motor that is commanded.
+    """An axis along a line, or a cart: its mass is driven by a motor that is commanded.
 
     ``mass a = gain command - viscous v - friction - load``, for a `Series` with the input
     ``command``, in V or, with a gain of 1, in N. Each effect that is not stated is a cause, as for
     a `joint`, and so are a late command, a slow motor and a slow sensor. Only the ratios of the
-    mass to the gain and to friction act. The motor's own braking belongs to `viscous`, and a slope
-    is a load.
+    mass to the gain and to friction act. The motor's own braking belongs to `viscous`; a slope is
+    a load. An axis that turns is a `joint`, or a `servo`.
 
     ARGUMENTS
 

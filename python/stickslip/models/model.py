@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -294,7 +294,7 @@ class Model(OneLine):
         ScenarioError
             If a name is unknown or a value is not allowed.
         """
-        self._check_names(values)
+        _check_names(self.kind, values)
         record = Series(t, np.zeros(np.shape(np.asarray(t))), inputs, sd=1.0)
         self._check_record(record)
         p = {name: row(name, [each])[:, None] for name, each in (self.middles | values).items()}
@@ -472,31 +472,26 @@ class Model(OneLine):
                     f"is {name} in {record.unit}, or a column that states its unit"
                 )
 
-    def _check_names(self, names: Mapping[str, object]) -> None:
-        known = self.kind.every
-        for name in names:
-            if name not in known:
-                text = f"there is no {name}{meant(name, known)}; known are {', '.join(known)}"
-                raise ScenarioError(f"{self.kind.name}: {text}")
+
+def _check_names(kind: Kind, names: Iterable[str]) -> None:
+    known = kind.every
+    for name in names:
+        if name not in known:
+            text = f"there is no {name}{meant(name, known)}; known are {', '.join(known)}"
+            raise ScenarioError(f"{kind.name}: {text}")
 
 
 def made(
     kind: Kind, reads: str, smooth: bool, without: Sequence[str], known: Mapping[str, Any]
 ) -> Model:
-    """The model of a kind with what is known of it.
-
-    Raises
-    ------
-    ScenarioError
-        If a name is unknown, a value is not allowed, or a constant is missing.
-    """
+    """The model of a kind with what is known of it; a ScenarioError if that is not allowed."""
     if reads not in kind.reads:
         refuse(f"{kind.name}: reads", reads, " or ".join(kind.reads))
     if isinstance(without, str) or not isinstance(without, Sequence):
         refuse(f"{kind.name}: without", without, "a list of names of causes")
+    _check_names(kind, known)
     stated = {name: _checked(f"{kind.name}: {name}", value) for name, value in known.items()}
     model = Model(kind, reads, stated, tuple(without), bool(smooth))
-    model._check_names(stated)
     for name, term in kind.every.items():
         middle = model.middles.get(name)
         if middle is None and term.absent is None and name not in kind.inputs:
