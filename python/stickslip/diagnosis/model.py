@@ -84,11 +84,6 @@ def posed(
         What causes and constants are called.
     rivals : Rivals, optional
         What else can be measured.
-
-    Raises
-    ------
-    ScenarioError
-        If something is given that is not allowed.
     """
     problem = bare_problem(tables, predict, constants, causes, low_fidelity)
     words, rivals = words or problem.words, rivals or problem.rivals
@@ -411,11 +406,10 @@ def overflows(problem: Problem) -> list[Note]:
     notes = []
     for cause, rows in zip(causes, bad[1:] & ~bad[0], strict=True):
         if rows.any():
-            text = (
+            notes.append(Note("predictions-overflow", (
                 f"At its usual size, {cause.name} makes {int(rows.sum())} of {len(rows)} "
                 "predictions infinite or NaN: it can hardly be judged."
-            )
-            notes.append(Note("predictions-overflow", text, float(rows.sum())))
+            ), float(rows.sum())))  # fmt: skip
     return notes
 
 
@@ -447,11 +441,10 @@ def without_effect(problem: Problem) -> list[Note]:
             named |= set(cause.names[1:])
     for name in itertools.compress(problem.names, dead):
         if name not in named:
-            text = (
+            notes.append(Note("without-effect", (
                 f"{name} changes no prediction anywhere in its range: the model does not read it, "
                 "or these data do not show it."
-            )
-            notes.append(Note("without-effect", text))
+            )))  # fmt: skip
     return notes
 
 
@@ -462,11 +455,10 @@ def _outside(cause: Cause, tables: Sequence[Table]) -> list[Note]:
     begin, end = cause.between or (-math.inf, math.inf)
     if not records or any(begin <= last and end >= first for first, last in records):
         return []
-    text = (
+    return [Note("event-outside", (
         f"{cause.name} happens at {begin:.12g} to {end:.12g} s, outside every record: the first "
         f"is of {records[0][0]:.12g} to {records[0][1]:.12g} s."
-    )
-    return [Note("event-outside", text)]
+    ))]  # fmt: skip
 
 
 def _unchanged(problem: Problem, base: Array, changed: Array) -> Mask:

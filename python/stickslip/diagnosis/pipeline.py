@@ -51,11 +51,8 @@ def run(
             # on each of two sides, which may be one that both have.
             names = models.leaders(1)[0].names
             plain, sides = models.get(names), {name.partition("[")[2] for name in names}
-            if (
-                plain is None
-                or len(sides) > 1
-                or goodness_of_fit(models.problem, plain) < GOF_LEVEL
-            ):
+            misfit = plain is None or goodness_of_fit(models.problem, plain) < GOF_LEVEL
+            if misfit or len(sides) > 1:
                 say(0.8, "laws of a free shape")
                 laws = problem.laws(problem, models.null.x)
                 wider = problem.wider(problem, laws)

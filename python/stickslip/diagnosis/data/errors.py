@@ -375,21 +375,19 @@ class _Scatter(OneLine):
             return Errors(np.sqrt(factor * of_means * usual), None, dof, sizes, tuple(notes))
         sizes |= {name: math.sqrt(weight @ np.exp(2.0 * p[name])) for name in self.noise.shared}
         if "shift" in p:
-            text = (
+            notes.append(Note("blocks", (
                 f"Blocks differ by a shift of {sizes['shift']:.2g} and a gain of "
                 f"{sizes.get('gain', 0.0):.2g} errors of a reading."
-            )
-            notes.append(Note("blocks", text, sizes["shift"]))
+            ), sizes["shift"]))  # fmt: skip
         if "phi" in p:
             phi = ndtr(p["phi"])
             order = np.argsort(phi)
             low, high = np.interp((0.025, 0.975), np.cumsum(weight[order]), phi[order])
             sizes["phi"] = float(weight @ phi)
-            text = (
+            notes.append(Note("errors-correlated", (
                 f"Errors of readings that follow each other have a correlation of "
                 f"{sizes['phi']:.2f} ({low:.2f} to {high:.2f})."
-            )
-            notes.append(Note("errors-correlated", text, sizes["phi"]))
+            ), sizes["phi"]))  # fmt: skip
         known = self.mean, "phi" in p, self.sd is not None
         of_level = partial(_covariance_at, factor * parts, sizes, *known)
         covariance = of_level(self.mean)

@@ -117,10 +117,8 @@ class Noise:
         def density(h: Array) -> Array:
             """-ln of the posterior, of h of shape (draws, d), in prior standard deviations."""
             values = centre + width * np.clip(h, -_FARTHEST, _FARTHEST)
-            return np.asarray(
-                0.5 * self.loss(dict(zip(self.names, values.T, strict=True)))
-                + 0.5 * np.sum(h**2, axis=1)
-            )
+            loss = self.loss(dict(zip(self.names, values.T, strict=True)))
+            return np.asarray(0.5 * loss + 0.5 * np.sum(h**2, axis=1))
 
         step = 0.05 * np.eye(d)
 
@@ -144,9 +142,8 @@ class Noise:
                 break
             # The posterior is no normal law: once more with the moments of its draws.
             peak = weight @ h
-            spread = _WIDER * np.linalg.cholesky(
-                (h - peak).T * weight @ (h - peak) + 1e-9 * np.eye(d)
-            )
+            square = (h - peak).T * weight @ (h - peak) + 1e-9 * np.eye(d)
+            spread = _WIDER * np.linalg.cholesky(square)
         return dict(zip(self.names, (centre + width * h).T, strict=True)), weight
 
     def loss(self, p: Draws) -> Array:

@@ -277,13 +277,10 @@ def _unit_of_input(values: ArrayLike, unit: str) -> str | None:
 def _lost(at: str, readings: Array, rows: Indices) -> Note:
     """A note on alike readings of a lost sensor, which are left out if they are few."""
     few = len(rows) <= FEW * len(readings)
-    text = (
-        f"{at}{rows_in_words(rows)}: {len(rows)} of {len(readings)} readings are "
-        f"{readings[rows[0]]:g}, far from those before and after them"
-    )
-    if few:
-        return Note("lost-readings", f"{text}, and left out.", len(rows))
-    return Note(LOST_SENSOR, f"{text}.", len(rows))
+    code, end = ("lost-readings", ", and left out.") if few else (LOST_SENSOR, ".")
+    text = f"{at}{rows_in_words(rows)}: {len(rows)} of {len(readings)} readings are "
+    text += f"{readings[rows[0]]:g}, far from those before and after them{end}"
+    return Note(code, text, len(rows))
 
 
 def with_repeats(series: Sequence[Series]) -> list[Table]:

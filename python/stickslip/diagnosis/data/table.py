@@ -314,13 +314,8 @@ class Table:
     def data_fault(self, stated: Array, alone: bool = True) -> Note | None:
         """A fault of the readings, before any cause is blamed; None of sound ones.
 
-        Parameters
-        ----------
-        stated : ndarray, shape (m,)
-            Predictions of the stated model.
-        alone : bool
-            Whether there is no other table. Beside others it may say little: they can tell causes
-            apart.
+        `stated` are predictions of the stated model, shape (m,). A table that is not `alone` may
+        say little: others can tell causes apart.
         """
         # A difference has no size or sign that could be wrong.
         return self._tells_nothing(alone) or (None if self.less else self._meant(stated))
@@ -332,30 +327,25 @@ class Table:
         if not alone:
             return None
         mean, errors = self.mean, self.errors
-        conditions = counted(len(mean), "condition")
         if len(mean) < FEWEST_CONDITIONS:
-            text = (
-                f"{conditions} cannot tell causes apart; at least {FEWEST_CONDITIONS} are needed."
-            )
-            return Note("too-few-conditions", text, len(mean))
+            text = f"{counted(len(mean), 'condition')} cannot tell causes apart; at least "
+            return Note("too-few-conditions", f"{text}{FEWEST_CONDITIONS} are needed.", len(mean))
         if not errors.known:
-            text = (
+            return Note("no-noise", (
                 "The error of a reading is not known, so no misfit can be judged: repeat some "
                 "conditions, or state the error (velocity_sd of a measurement, sd of a table)."
-            )
-            return Note("no-noise", text)
+            ))  # fmt: skip
         repeated = self.less is None and 3 < len(mean) < len(self.y)
         if 0.0 < errors.dof < math.inf and repeated:
             # What blocks share is no error of one condition beside another.
             variances = errors.of_reading(mean) ** 2 / np.bincount(self.condition)
             ratio = float(np.var(mean) / np.mean(variances))
             if ratio < _SPREAD:
-                text = (
+                return Note("conditions-alike", (
                     "The conditions differ by no more than their readings do: the variance between "
                     f"them is {ratio:.2g} times that of their errors, and {_SPREAD:g} times is "
                     "needed. Labels may be mixed up."
-                )
-                return Note("conditions-alike", text, ratio)
+                ), ratio)  # fmt: skip
         return None
 
     def _meant(self, stated: Array) -> Note | None:
@@ -466,8 +456,7 @@ def without_marks(what: str, values: Array, notes: list[Note]) -> Array:
     if not marks.any():
         return values
     rows = np.flatnonzero(marks)
-    which = rows_in_words(rows)
-    text = f"{what}: {which}: {values[rows[0]]:g} stands for no value."
+    text = f"{what}: {rows_in_words(rows)}: {values[rows[0]]:g} stands for no value."
     notes.append(Note("marks-of-none", text, len(rows)))
     return np.where(marks, np.nan, values)
 

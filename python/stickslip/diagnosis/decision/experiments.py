@@ -97,23 +97,21 @@ def next_step(
     """
     head, kind = f"{' and '.join(names)}, with a probability of {probability:.3g}", verdict.kind
     if verdict.claims and verdict.partial:
-        text = (
+        return Note("name-safe", (
             f"Among the listed causes the name is safe: {head}. A cause that is not listed, with a "
             "similar effect, would get the same name."
-        )
-        return Note("name-safe", text, probability)
+        ), probability)  # fmt: skip
     if verdict.claims:
         return Note("name-safe", f"The name is safe: {head}. Nothing more has to be measured.",
                     probability)  # fmt: skip
     if kind == "ambiguous":
         return Note("no-safe-name", "No name is safe, as the verdict is ambiguous.")
     if kind == "none" and probability >= LEFT:
-        text = (
+        return Note("cause-left", (
             f"With a probability of {100.0 * probability:.0f} % a cause is there all the same"
             f"{', such as ' * bool(names)}{' and '.join(names)}: repeat readings, and vary "
             f"{' and '.join(same) or 'the settings more'}."
-        )
-        return Note("cause-left", text, probability)
+        ), probability)  # fmt: skip
     text = f"Nothing is proposed: the verdict {kind} leaves no candidates to tell apart."
     return Note("nothing-to-separate", text)
 

@@ -339,12 +339,9 @@ def _takes_little(fit: Fit, part: float, gains: Sequence[Gain | None]) -> list[N
     """
     notes: list[Note] = []
     if not part >= DOMINANT:
-        part = 0.0 if math.isnan(part) else part
-        asked = 100.0 * DOMINANT
-        text = (
-            f"{{}} takes {min(100.0 * part, asked - 1.0):.0f} % of the model's error; a claim asks "
-            f"for {asked:.0f} %."
-        )
+        part, asked = 0.0 if math.isnan(part) else part, 100.0 * DOMINANT
+        takes = f"{min(100.0 * part, asked - 1.0):.0f} %"
+        text = f"{{}} takes {takes} of the model's error; a claim asks for {asked:.0f} %."
         notes.append(CauseNote("small-share", text, [fit.name], part))
     known = [gain for gain in gains if gain is not None]
     if part >= NEARLY_ALL:
@@ -404,15 +401,14 @@ def _with(verdict: Verdict, kind: Kind, causes: tuple[str, ...], fit: Fit | None
           reasons: tuple[Note, ...], models: Models, subject: Fit | None,
           gain: Gain | None = None) -> Verdict:  # fmt: skip
     """The verdict with the share and gain of the model that is told."""
-    notes = list(reasons)
     leader = subject or models.leaders(1)[0]
     likeliest = next(other for other in models.leaders() if other.names == leader.names)
     left = math.hypot(likeliest.sizes.get("kappa", 1.0), likeliest.sizes.get("s", 0.0))
     if left < CALM:
         text = f"The errors are too large: what is left scatters by {left:.2g} of them."
-        notes.append(Note("errors-too-large", text, left))
+        reasons += (Note("errors-too-large", text, left),)
     return Verdict(
-        kind, causes, fit, tuple(notes), verdict.probabilities, verdict.members, verdict.common,
+        kind, causes, fit, reasons, verdict.probabilities, verdict.members, verdict.common,
         None if subject is None else share(models, subject), subject or verdict.leader, gain,
     )  # fmt: skip
 
