@@ -93,6 +93,10 @@ def test_a_difference_is_told_by_name_and_sign(name):
     before, after, kind, causes, sign = CASES[name]
     result = diagnose_change(JOINT, before, after)
     assert (result.verdict.kind, result.verdict.causes) == (kind, causes)
+    twice = name == "one log twice"
+    assert ("same-readings" in {note["code"] for note in result.as_dict()["notes"]}) == twice
+    if twice:  # the bound is no part of a usual change
+        assert result.cannot_tell.limits["inertia[after]"].value < 0.002 * 0.012
     if sign:
         first = result.verdict.fit.causes[0].parameters[0].name
         assert np.sign(result.params["value"][first]) == sign

@@ -20,6 +20,7 @@ import numpy as np
 
 from stickslip._util.arrays import Array, Indices
 from stickslip._util.messages import check_whole
+from stickslip._util.note import Note
 from stickslip._util.prior import Prior
 from stickslip._util.units import unit_label
 from stickslip.diagnosis.data.errors import Errors
@@ -292,9 +293,11 @@ def _less(after: Table, before: Table, order: Indices) -> Table:
     dof = one.dof + other.dof if one.known and other.known else 0.0
     notes = tuple({str(note): note for note in (*one.notes, *other.notes)}.values())
     sizes = {"s0": math.hypot(*(each.sizes.get("s0", 0.0) for each in (one, other)))}
+    same = Note("same-readings", "Both sides have the same readings: is one file given twice?")
     return after.having(
         y=after.y - off[after.condition], mean=after.mean - off, less=(before, order),
         errors=Errors(sd, covariance, dof, sizes, notes),
-        own_notes=(*before.own_notes, *after.own_notes), side=f"{AFTER} less {BEFORE}",
+        own_notes=(*before.own_notes, *after.own_notes, *[same] * (not np.any(after.mean - off))),
+        side=f"{AFTER} less {BEFORE}",
         name=f"{AFTER} {after.name}".rstrip() + f" less {BEFORE} {before.name}".rstrip(),
     )  # fmt: skip

@@ -26,6 +26,7 @@ from stickslip.diagnosis.fitting.problem import RELAXED, Problem
 from stickslip.diagnosis.fitting.responses import Response
 from stickslip.diagnosis.fitting.search import Models
 from stickslip.diagnosis.terms.parameter import Parameter
+from stickslip.diagnosis.terms.words import of_side
 
 BOUND = 0.95
 """Confidence of an upper limit."""
@@ -250,7 +251,9 @@ class _Beside:
             reach = math.inf
             if multiple < _TRUSTED:
                 size = _distance(problem.parameters[effect.amplitude], effect.u)
-                reach = size * max(multiple, 1.0 / _TRUSTED)
+                # Another value of a constant changes the predictions evenly, however little.
+                changed = of_side(effect.cause)[0] in problem.rivals.shared
+                reach = size * max(multiple, 0.0 if changed else 1.0 / _TRUSTED)
             key = effect.amplitude, math.copysign(1.0, effect.u), effect.shape
             old = nearest.get(key, (math.inf, math.inf))
             nearest[key] = min(old, (abs(math.log(multiple)), reach))
