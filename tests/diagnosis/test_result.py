@@ -3,11 +3,13 @@
 import json
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import made_findings as made
-from stickslip import Parameter, Prior, diagnose_model
+from stickslip import Parameter, Prior, Series, Table, diagnose_model
 from stickslip.diagnosis.decision.posterior import discrepancy
+from stickslip.diagnosis.fitting.rivals import Rivals
 from stickslip.diagnosis.terms.words import Vocabulary, Words
 from toys import LEVEL, SLOPE, WAVE, data, line
 
@@ -89,6 +91,7 @@ def test_predictions_follow_the_fitted_values(named):
 def test_models_are_separated_where_they_differ(rough, none):
     table = rough.separate(np.linspace(0.0, 1.0, 21))
     assert set(table["first"]) | set(table["second"]) >= {"bump", "none"}
+    assert table["separation"].is_monotonic_decreasing
     shown = table["separation"].where(table["second"] == "none")
     assert abs(0.05 * shown.idxmax() - 0.5) < 0.2
     # What is far behind the first rival is told apart from the claim in any case.
@@ -97,6 +100,9 @@ def test_models_are_separated_where_they_differ(rough, none):
     assert rivals
     assert min(rivals) >= 1e-3 * max(rivals)
     assert none.separate([0.5]) is None
+    at = {"x": [0.2, 0.5]}
+    for given in (at, pd.DataFrame(at), Table(at, np.zeros(2)), Series([0.2, 0.5], [0.0, 0.0], at)):
+        assert Rivals().conditions(given)[1]["x"] == [0.2, 0.5]
     # Of a set each member, also one that is last and hardly probable.
     members = rough.chance.fits
     assert len(members) > 4

@@ -299,11 +299,12 @@ class Facts:
         Returns
         -------
         DataFrame, optional
-            A row for each condition: the settings, `separation`, the expected chi-square between
-            the two models `first` and `second` that it tells apart best, by three readings with the
-            noise of the others; `least`, that of the two that it tells apart worst; and of each
-            model, of a set all members, a column with what it predicts and one with its sd. None
-            where there is nothing to separate.
+            A row for each condition, the best first, with its place as index: the settings that
+            have names, `separation`, the expected chi-square between the two models `first` and
+            `second` that it tells apart best, by three readings with the noise of the others;
+            `least`, that of the two that it tells apart worst; and of each model, of a set all
+            members, a column with what it predicts and one with its sd. None where there is nothing
+            to separate.
         """
         candidates, pairs = self._rivals[True]
         if not pairs:
@@ -320,7 +321,7 @@ class Facts:
         for k, candidate in enumerate(candidates):
             sd = np.sqrt(np.diagonal(covariance[k]))
             settings |= {candidate.name: level[k].tolist(), f"{candidate.name}_sd": sd.tolist()}
-        return pd.DataFrame(settings)
+        return pd.DataFrame(settings).sort_values("separation", ascending=False, kind="stable")
 
     def propose_experiments(self, count: int = design.PROPOSED) -> list[design.Experiment]:
         """The conditions that would tell the leading models apart best, each of another kind.

@@ -6,8 +6,9 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stickslip._util.arrays import Array
+from stickslip._util.arrays import Array, columns_of
 from stickslip._util.note import Note
+from stickslip.diagnosis.data.table import Table
 from stickslip.errors import ScenarioError
 
 if TYPE_CHECKING:
@@ -45,7 +46,9 @@ class Rivals:
 
         There are no columns where settings have no names.
         """
-        return given, {}
+        named = given.settings if isinstance(given, Table) else columns_of("conditions", given)
+        columns = named if isinstance(named, Mapping) else {}
+        return given, {str(name): list(column) for name, column in columns.items()}
 
     def proposals(self) -> Any:
         """Conditions that may be measured next, as the model takes them; None without any."""
