@@ -123,9 +123,13 @@ def test_a_size_that_models_of_a_set_share_says_whose_it_is_and_what_is_cut_is_c
     numbers = numbers_of(result)
     rows, chance = numbers["parameters"], result.chance
     first = next(each for each in chance.fits if "bump" in each.names)
-    assert rows["bump.height"]["models"] == [
-        each.name for each in result.verdict.members if "bump" in each.names]  # fmt: skip
-    assert rows["bump.height"]["models"][0] == first.name
+    models = rows["bump.height"]["models"]
+    assert [*models] == [each.name for each in result.verdict.members if "bump" in each.names]
+    assert next(iter(models)) == first.name
+    for name, told in models.items():
+        own = result.candidate(name).params.loc["bump.height"]
+        assert (told["value"], told["sd"]) == (own["value"], own["sd"])
+        assert told["low"] < told["value"] < told["high"]
     text = summary_text(numbers, result.problem.words)
     assert f"bump.height (model {first.name}) = " in text
     assert "more in the report" not in text

@@ -26,6 +26,7 @@ _MOST_OF_IT = 0.5  # share from which on a sure cause is said to act, with somet
 # Errors of a constant, and part of it, within which its ratio is that of two units. Chosen: 20 %
 # are no unit.
 _NEAR, _NEAREST = 2.0, 0.1
+_OF_MODEL = ("value", "sd", "low", "high")
 
 Rows = dict[str, dict[str, Any]]
 
@@ -34,8 +35,9 @@ class Numbers(TypedDict):
     parameters: Rows
     """Parameters of the cause by name, such as `surface_tilt.angle`: `value`, `sd`, `low` and
     `high` (95 %), `unit`, `prior`, `pull`, `title`, the prior in words (`before`), and whether
-    its middle is no effect, 0 (`about_zero`). For `ambiguous` those of each model of the set: of
-    the `models` with a parameter those of the first; empty for `unexplained`."""
+    its middle is no effect, 0 (`about_zero`). For `ambiguous` those of the first model of the set
+    that has it, beside `value`, `sd`, `low` and `high` in each of its `models`; empty for
+    `unexplained`."""
     claimed: list[dict[str, Any]]
     """The models of the verdict in words, each with its `probability` and `causes`."""
     leader: dict[str, Any] | None
@@ -60,8 +62,8 @@ def numbers(facts: Facts) -> Numbers:
     for candidate in members:
         rows = rows_of(facts, candidate)
         for name in (name for cause in candidate.fit.causes for name in cause.names):
-            row = parameters.setdefault(name.removeprefix("effects."), rows[name])
-            row.setdefault("models", []).append(candidate.name)
+            row = parameters.setdefault(name.removeprefix("effects."), {**rows[name], "models": {}})
+            row["models"][candidate.name] = {key: rows[name][key] for key in _OF_MODEL}
     return {
         "parameters": parameters,
         "claimed": [_claim(facts, candidate) for candidate in members],
