@@ -158,7 +158,7 @@ class Words:
         if known is not None:
             row |= {"finding": known["finding"].format(**amounts), "remedy": known["remedy"]}
         elif cause.is_constant:
-            what, size = constant["name"] if constant else name, sizes[name]
+            what, size = constant["name"] if constant else f"constant {name}", sizes[name]
             stated = self.limit(name, size["stated"], size["unit"], 6)
             amount_of = amounts[name.rpartition(".")[2]]
             row["finding"] = f"The {what} is {amount_of}, and was stated as {stated}."
