@@ -67,6 +67,12 @@ def test_a_column_without_a_unit_is_told_in_which_it_may_be(times, words, tmp_pa
     assert words in verdict.reasons[0].text
 
 
+def test_a_unit_is_told_beside_a_constant_that_is_off(tmp_path):
+    verdict = found(log_of(tmp_path, JOINT, {"speed": RPM}, {}, viscous=2.0 * B)).verdict
+    assert (verdict.kind, verdict.reasons[0].code) == ("data-problem", "other-unit")
+    assert 'write "speed (rpm)"' in verdict.reasons[0].text
+
+
 @pytest.mark.nightly
 def test_a_constant_in_another_unit_is_told(tmp_path):
     verdict = found(log_of(tmp_path, JOINT, {}, {}), inertia=1e7 * J).verdict

@@ -234,6 +234,7 @@ REFUSALS = [
     ("log", f"{JOINT} --set viscous=1:b", "allowed is a number, in SI units"),
     ("log", f"{JOINT} --set inertai=1", ["no inertai", 'did you mean "inertia"?']),
     ("log", f"{JOINT} --set reads=position", ['reads = "position"', "speed or angle"]),
+    ("log", "--model thermal --set reads=temp", "thermal: there is no reads; known are capacity"),
     ("log", f"{JOINT} --next 1", "--next: allowed without --model only"),
     ("log", "--next 1 --against log.csv", "--next: allowed without --against only"),
     ("log", "--plan 12 --against log.csv", "--against: allowed without --plan only"),

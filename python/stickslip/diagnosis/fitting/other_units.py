@@ -3,6 +3,7 @@
 Nothing is asked of a column whose unit the data state, or where the stated model is like the
 readings as they stand. Each other unit is a model without a cause: its constants are fitted within
 their priors, and it competes with the stated units and with each single constant that is off.
+Where that finds none, a column's unit and one cause compete with one cause in the stated units.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from stickslip.diagnosis.fitting.descent import finished
 from stickslip.diagnosis.fitting.forms import Exact
 from stickslip.diagnosis.fitting.models import minimise
 from stickslip.diagnosis.fitting.problem import Problem
+from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.errors import ScenarioError
 
@@ -61,6 +63,7 @@ class _Try:
     factor: float = 1.0
     words: str = ""
     relaxed: int | None = None
+    causes: tuple[Cause, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -70,6 +73,7 @@ class _End:
     chi2: float
     penalty: float
     moved: float
+    x: Array
     of: _Try
 
     def cost(self, scale: float) -> float:
@@ -95,19 +99,28 @@ def unit_fault(
     variance = float(np.sum((about / problem.sd) ** 2))
     if variance < 2.0 * len(problem.y):  # Readings that do not change are like many models.
         return None
-    fits = _fits([_looked_at(problem, seed)])
-    if not fits:
+    null = next(iter(_fits([_looked_at(problem, seed)])), None)
+    if null is None or (_is_like(null, problem, variance / _MISSED) and null.moved < _FAR):
         return None
-    null = fits[0]
-    if _is_like(null, problem, variance / _MISSED) and null.moved < _FAR:
+    units = _fits(_in_units(problem, of, known, seed), _FITTED)
+    meant, rivals = [*units, *_fits(_beyond(problem, seed), _FITTED)], [null]
+
+    def best_of_all() -> _End | None:
+        """The best in other units if it is like the data and no rival with likely constants is."""
+        best = min(meant, key=lambda end: end.cost(1.0), default=null)
+        missed = all(end.chi2 > _MISSED * best.chi2 for end in rivals if end.moved <= _FAR)
+        like = best.moved <= _FAR and _is_like(best, problem, variance)
+        return best if missed and like else None
+
+    best = best_of_all()
+    if best is None:  # Something may be wrong besides: a unit and one cause, against one cause.
+        meant = _fits(_beside(end for end in units if end.cost(1.0) < null.cost(1.0)))
+        meant = [end for end in meant if end.moved <= _FAR]
+        rivals += _fits(_beside(rivals)) if meant else []
+        best = best_of_all()
+    if best is None:
         return None
-    meant = _fits(_in_units(problem, of, known, seed), _FITTED)
-    meant += _fits(_beyond(problem, seed), _FITTED)
-    best = min(meant, key=lambda end: end.chi2 + end.penalty, default=null)
-    missed = null.chi2 > _MISSED * best.chi2 or null.moved > _FAR
-    if not missed or best.moved > _FAR or not _is_like(best, problem, variance):
-        return None
-    rivals = [null, *_fits(_off(problem))]
+    rivals += _fits(_off(problem))
     # Errors that are stated wrongly, or not at all, are those that the best model leaves.
     least = min(end.chi2 for end in (*meant, *rivals))
     scale = max(least / len(problem.y), 1e-9 * variance / len(problem.y))
@@ -125,7 +138,8 @@ def unit_fault(
     told = {end.of.name if end.of.name in constants else end.of.words: end.of.words
             for end in reversed(alike)}  # fmt: skip
     text = " or ".join(reversed(told.values()))
-    return Note("other-unit", f"The stated model would be like the data if {text}.")
+    beside = " and one cause" * any(end.of.causes for end in alike)
+    return Note("other-unit", f"The stated model{beside} would be like the data if {text}.")
 
 
 def _is_like(end: _End, problem: Problem, variance: float) -> bool:
@@ -152,6 +166,16 @@ def _in_units(
             # A model's problem in a unit that is far off may be none.
             with contextlib.suppress(ScenarioError):
                 yield _looked_at(of(changed), seed, column, per, text)
+
+
+def _beside(ends: Iterable[_End]) -> Iterator[_Try]:
+    """The same with each cause, of its usual size."""
+    for end in ends:
+        low, high = end.of.problem.limits
+        for cause in end.of.problem.causes:
+            x, columns = end.x.copy(), end.of.problem.columns([cause])
+            x[columns] = np.clip(1.0, low[columns], high[columns])
+            yield replace(end.of, x=x, causes=(cause,))
 
 
 def _off(problem: Problem) -> Iterator[_Try]:
@@ -212,21 +236,22 @@ def _fits(tries: Iterable[_Try], most: int | None = None) -> list[_End]:
     ends = []
     for one in sorted(tries, key=lambda one: one.left)[:most]:
         with contextlib.suppress(np.linalg.LinAlgError):
-            fit = finished(one.problem, minimise(one.problem, Exact(one.problem), (), one.x))
-            x = np.abs(fit.x)
+            search = minimise(one.problem, Exact(one.problem), one.causes, one.x)
+            fit = finished(one.problem, search)
+            x, constants = np.abs(fit.x), one.problem.constants
             if one.relaxed is not None:
                 x[one.relaxed] = 0.0
-            stated = [k for k, c in enumerate(one.problem.constants) if c.may_be_off]
+            stated = [k for k, c in enumerate(constants) if c.may_be_off]
+            x[[k for k in stated for cause in one.causes if cause.frees == constants[k].name]] = 0.0
             moved = float(np.max(x[stated], initial=0.0))
-            ends.append(_End(fit.chi2, float(x @ x), moved, one))
+            ends.append(_End(fit.chi2, float(x @ x), moved, fit.x, one))
     return ends
 
 
 def _other(problem: Problem, k: int, constant: Parameter) -> Problem:
     """The problem with another constant in the place of one."""
-    constants = list(problem.constants)
-    constants[k] = constant
-    return replace(problem, constants=tuple(constants), finer={})
+    constants = (*problem.constants[:k], constant, *problem.constants[k + 1 :])
+    return replace(problem, constants=constants, finer={})
 
 
 def _times(constant: Parameter, factor: float) -> Parameter:
