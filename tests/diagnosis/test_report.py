@@ -460,6 +460,14 @@ def test_the_gain_of_each_record_is_told_the_worst_first():
     assert ratios == sorted(ratios, reverse=True)
 
 
+def test_errors_that_are_equal_to_two_digits_have_more(named):
+    numbers = numbers_of(named)
+    gain = numbers["gain"]
+    gain["change"] = "not sure"
+    gain["told"] = gain["told"] | {"of_level": False, "before": 0.42131, "after": 0.42171}
+    assert {"0.4213", "0.4217"} <= {*summary_text(numbers, named.problem.words).split()}
+
+
 @pytest.mark.parametrize(
     ("values", "said"),
     [
