@@ -235,7 +235,7 @@ def _fits(tries: Iterable[_Try], most: int | None = None) -> list[_End]:
     """Ends of fits without a cause, where they can be fitted, of the best tries."""
     ends = []
     for one in sorted(tries, key=lambda one: one.left)[:most]:
-        with contextlib.suppress(np.linalg.LinAlgError):
+        with contextlib.suppress(np.linalg.LinAlgError, ScenarioError):
             search = minimise(one.problem, Exact(one.problem), one.causes, one.x)
             fit = finished(one.problem, search)
             x, constants = np.abs(fit.x), one.problem.constants
