@@ -119,7 +119,7 @@ bench: install ## a benchmark or study (NAME=speed ARGS="..."; NAME=list lists t
 	@$(RUN) -m bench $(NAME) $(ARGS)
 
 nightly: install ## what `make test` leaves out, in a rotation (MINUTES=n)
-	@$(RUN) -m pip install --quiet --group oracle
+	@$(RUN) -m pip install --quiet --group nightly
 	@$(RUN) tests/nightly.py --minutes $(MINUTES) $(ARGS)
 
 wheel: $(VENV)/.created ## an isolated build of the wheel, tried without a compiler

@@ -14,11 +14,7 @@ from sphinx.application import Sphinx
 import stickslip
 
 HERE = Path(__file__).parent
-sys.path[:0] = [
-    str(HERE),
-    str(HERE / "_extensions"),
-    *(str(HERE.parent / each) for each in ("tests", "bench")),
-]
+sys.path[:0] = [str(HERE), str(HERE / "_extensions"), str(HERE.parent / "bench")]
 
 project = "stickslip"
 author = "stickslip developers"

@@ -9,8 +9,6 @@ from docutils import nodes
 from myst_parser.parsers.sphinx_ import MystParser
 from sphinx.application import Sphinx
 
-from notebook_cells import text
-
 _FENCE = "`" * 7  # longer than any in a cell
 
 
@@ -41,7 +39,8 @@ class NotebookParser(MystParser):
         parts = []
         for cell in json.loads(inputstring)["cells"]:
             code = cell["cell_type"] == "code"
-            parts.append(_block("python", text(cell)) if code else text(cell))
+            text = "".join(cell["source"])
+            parts.append(_block("python", text) if code else text)
             parts += map(_output, cell.get("outputs", []))
         super().parse("\n\n".join(parts) + "\n", document)
 
