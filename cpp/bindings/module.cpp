@@ -6,6 +6,7 @@
 #include "refusals.hpp"
 #include "register.hpp"
 #include "stickslip/run/simulation.hpp"
+#include "stickslip/scenario/scenario.hpp"
 
 namespace py = pybind11;
 

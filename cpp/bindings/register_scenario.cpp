@@ -19,6 +19,7 @@
 #include "stickslip/scenario/named_laws.hpp"
 #include "stickslip/scenario/own_laws.hpp"
 #include "stickslip/scenario/parameters.hpp"
+#include "stickslip/scenario/whole_plane.hpp"
 #include "tables.hpp"
 
 namespace py = pybind11;

@@ -10,6 +10,7 @@
 #include "register.hpp"
 #include "report_progress.hpp"
 #include "stickslip/batch/batch.hpp"
+#include "stickslip/scenario/scenario.hpp"
 #include "tables.hpp"
 
 namespace py = pybind11;

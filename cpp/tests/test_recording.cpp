@@ -7,6 +7,7 @@
 
 #include "stickslip/run/recording.hpp"
 #include "stickslip/run/simulation.hpp"
+#include "stickslip/scenario/scenario.hpp"
 
 using namespace stickslip;
 

@@ -9,6 +9,7 @@
 
 #include "stickslip/batch/simulator.hpp"
 #include "stickslip/run/assembly.hpp"
+#include "stickslip/scenario/whole_plane.hpp"
 
 namespace stickslip {
 namespace {

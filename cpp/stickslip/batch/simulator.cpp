@@ -6,6 +6,7 @@
 #include "stickslip/numbers/hash.hpp"
 #include "stickslip/run/assembly.hpp"
 #include "stickslip/scenario/parameters.hpp"
+#include "stickslip/scenario/whole_plane.hpp"
 
 namespace stickslip {
 

@@ -6,6 +6,7 @@
 
 #include "stickslip/batch/lanes.hpp"
 #include "stickslip/run/run_snapshot.hpp"
+#include "stickslip/scenario/scenario.hpp"
 
 namespace stickslip {
 

@@ -8,6 +8,7 @@
 #include "stickslip/numbers/roots.hpp"
 #include "stickslip/run/assembly.hpp"
 #include "stickslip/scenario/scenario_rows.hpp"
+#include "stickslip/scenario/whole_plane.hpp"
 
 namespace stickslip {
 namespace {

@@ -13,6 +13,7 @@
 #include "stickslip/scenario/coils.hpp"
 #include "stickslip/scenario/named_laws.hpp"
 #include "stickslip/scenario/parameters.hpp"
+#include "stickslip/scenario/whole_plane.hpp"
 
 namespace stickslip {
 namespace {

@@ -7,12 +7,12 @@
 #include "stickslip/contact/plane_dynamics.hpp"
 #include "stickslip/drive/circuit.hpp"
 #include "stickslip/field/expansion.hpp"
-#include "stickslip/scenario/scenario.hpp"
-#include "stickslip/scenario/whole_plane.hpp"
 #include "stickslip/solver/stepping.hpp"
 
 /// From the values of a scenario to the parts of its simulation, each effect put where it acts.
 namespace stickslip {
+
+struct Scenario;
 
 /// Throws std::invalid_argument, naming key, value and what is allowed, for values that are each in
 /// their range but make no sense together.

@@ -11,6 +11,7 @@
 #include "stickslip/run/assembly.hpp"
 #include "stickslip/run/recording.hpp"
 #include "stickslip/scenario/parameters.hpp"
+#include "stickslip/scenario/whole_plane.hpp"
 
 namespace stickslip {
 namespace {

@@ -1,9 +1,11 @@
 #pragma once
 
 #include "stickslip/contact/contact.hpp"
-#include "stickslip/scenario/scenario.hpp"
+#include "stickslip/scenario/state.hpp"
 
 namespace stickslip {
+
+struct Scenario;
 
 /// Where a run begins, in the robot's own frame.
 struct Start {

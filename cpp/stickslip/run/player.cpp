@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "stickslip/scenario/coils.hpp"
+#include "stickslip/scenario/whole_plane.hpp"
 
 namespace stickslip {
 

@@ -6,7 +6,6 @@
 
 #include "stickslip/contact/contact_transitions.hpp"
 #include "stickslip/scenario/record_columns.hpp"
-#include "stickslip/scenario/scenario.hpp"
 
 namespace stickslip {
 

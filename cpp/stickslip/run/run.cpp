@@ -1,47 +1,9 @@
 #include "stickslip/run/run.hpp"
 
 #include <algorithm>
-#include <stdexcept>
 #include <vector>
 
 namespace stickslip {
-namespace {
-
-std::vector<double> marks(const Scenario& scenario, const std::optional<StopCondition>& stop) {
-    const Window window = measuring_window(scenario);
-    std::vector<double> result = {window.start, window.end};
-    if (stop && stop->quantity == StopCondition::Quantity::time) {
-        result.push_back(stop->value);
-        std::sort(result.begin(), result.end());
-    }
-    return result;
-}
-
-}  // namespace
-
-Run::Run(const Scenario& scenario, RunControl* control, std::optional<StopCondition> stop)
-    : player_(scenario, marks(scenario, stop), control ? &control->stop : nullptr),
-      window_observer_(scenario, player_, !(control && control->motion_only)),
-      recorder_(scenario.record, player_.sign(), player_.in_whole_plane(),
-                !player_.model().inner.absent()),
-      tsit5_(player_.options()),
-      control_(control),
-      stop_(stop) {
-    if (scenario.solver.method == Method::arkode) {
-#ifdef STICKSLIP_WITH_ARKODE
-        arkode_.emplace(player_.options());
-#else
-        result_.status = Status::no_arkode;
-        throw std::invalid_argument(stickslip::message(result_));
-#endif
-    }
-    fits_kernels_ = is_tsit5() && !player_.in_whole_plane() && player_.model().fits_kernels() &&
-                    player_.circuit().fades() &&
-                    player_.circuit().exponentials() <= kMostPackedExponentials;
-    result_.most_steps = scenario.solver.max_steps;
-    result_.map = scenario.map;
-    result_.swing_rate = player_.options().swing_rate;
-}
 
 void Run::go() {
     try {

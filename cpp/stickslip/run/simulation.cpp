@@ -1,15 +1,29 @@
 #include "stickslip/run/simulation.hpp"
 
+#include <algorithm>
 #include <numbers>
 #include <optional>
 #include <sstream>
+#include <stdexcept>
+#include <vector>
 
 #include "stickslip/run/assembly.hpp"
 #include "stickslip/run/run.hpp"
+#include "stickslip/scenario/scenario.hpp"
 
 namespace stickslip {
 
 namespace {
+
+std::vector<double> marks(const Scenario& scenario, const std::optional<StopCondition>& stop) {
+    const Window window = measuring_window(scenario);
+    std::vector<double> result = {window.start, window.end};
+    if (stop && stop->quantity == StopCondition::Quantity::time) {
+        result.push_back(stop->value);
+        std::sort(result.begin(), result.end());
+    }
+    return result;
+}
 
 template <class... Parts>
 std::string joined(const Parts&... parts) {
@@ -98,6 +112,32 @@ bool has_method(Method method) {
     constexpr bool kHasArkode = false;
 #endif
     return method == Method::tsit5 || kHasArkode;
+}
+
+// Here, so that run.cpp, which takes longest to compile, stays as it is when a key is added.
+Run::Run(const Scenario& scenario, RunControl* control, std::optional<StopCondition> stop)
+    : player_(scenario, marks(scenario, stop), control ? &control->stop : nullptr),
+      window_observer_(measuring_window(scenario), pulse_period(scenario), player_,
+                       !(control && control->motion_only), scenario.record.pull_share),
+      recorder_(scenario.record, player_.sign(), player_.in_whole_plane(),
+                !player_.model().inner.absent()),
+      tsit5_(player_.options()),
+      control_(control),
+      stop_(stop) {
+    if (scenario.solver.method == Method::arkode) {
+#ifdef STICKSLIP_WITH_ARKODE
+        arkode_.emplace(player_.options());
+#else
+        result_.status = Status::no_arkode;
+        throw std::invalid_argument(stickslip::message(result_));
+#endif
+    }
+    fits_kernels_ = is_tsit5() && !player_.in_whole_plane() && player_.model().fits_kernels() &&
+                    player_.circuit().fades() &&
+                    player_.circuit().exponentials() <= kMostPackedExponentials;
+    result_.most_steps = scenario.solver.max_steps;
+    result_.map = scenario.map;
+    result_.swing_rate = player_.options().swing_rate;
 }
 
 RunResult simulate(const Scenario& scenario, RunControl* control,

@@ -12,10 +12,12 @@
 #include "stickslip/run/status.hpp"
 #include "stickslip/run/stop_condition.hpp"
 #include "stickslip/run/summary.hpp"
-#include "stickslip/scenario/scenario.hpp"
+#include "stickslip/scenario/state.hpp"
 #include "stickslip/solver/stepping.hpp"
 
 namespace stickslip {
+
+enum class Method;
 
 struct RunResult {
     Status status = Status::ok;

@@ -19,15 +19,16 @@ class WindowObserver {
 public:
     using BodyAt = FunctionRef<BodyState(double tau)>;
 
-    /// The player has to outlive this. Without `sees_drive` the summary says nothing of coils and
-    /// field.
-    WindowObserver(const Scenario& scenario, const Player& player, bool sees_drive)
+    /// The player has to outlive this. period: s, from pulse to pulse. Without `sees_drive` the
+    /// summary says nothing of coils and field, without `asks_pull` nothing of the pull.
+    WindowObserver(const Window& window, double period, const Player& player, bool sees_drive,
+                   bool asks_pull)
         : player_(player),
-          window_(measuring_window(scenario)),
-          observer_(pulse_period(scenario)),
+          window_(window),
+          observer_(period),
           drive_(player.circuit()),
           sees_drive_(sees_drive),
-          asks_pull_(scenario.record.pull_share) {}
+          asks_pull_(asks_pull) {}
 
     /// Opens or closes the window where a segment begins or the run ends, at `time` s. Boundaries
     /// of segments carry rounding; the window's ends are some of them.

@@ -7,11 +7,11 @@
 #include <string_view>
 #include <vector>
 
-#include "stickslip/body/laws.hpp"
 #include "stickslip/numbers/free_curve.hpp"
 
 namespace stickslip {
 
+struct Law;
 struct Scenario;
 
 /// A law of the user's own, the section [laws.NAME]. Its keys come in any order; `check_own_laws`

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string_view>
 #include <variant>
 #include <vector>
@@ -84,5 +86,22 @@ void Recording::for_each_column(auto&& use) {
         std::visit([&](auto member) { use(column, this->*member); }, column.member);
     }
 }
+
+enum class RecordKind { none, events, uniform };
+
+/// Type of the recorded numbers but t, which is always float64.
+enum class Precision { float64, float32 };
+
+struct RecordSettings {
+    RecordKind kind = RecordKind::none;
+    double rate = 0.0;                   ///< Hz, of the uniform grid
+    double from = 0.0;                   ///< s, simulated time before which nothing is recorded
+    std::bitset<kColumns> dropped = {};  ///< columns that are not kept, see `kRecordColumns`
+    /// Takes the record chunk by chunk while the run goes on, on the thread that plays it; without
+    /// it the record is kept to the end.
+    std::function<void(Recording&&)> sink = nullptr;
+    Precision dtype = Precision::float64;  ///< of the record's columns outside of the core
+    bool pull_share = false;               ///< whether the summary has `pull_share`
+};
 
 }  // namespace stickslip
