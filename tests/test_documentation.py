@@ -262,6 +262,7 @@ def measured_words():
         f"The delay of an input, told of {sum(map(len, off.values()))} logs, is off by"
         f" {rms['held']:.2f} (held inputs) and {rms['line']:.2f} (lines) of its standard errors",
     ]
+    sizes = list(lines(OWN.with_name("intervals.jsonl")))
     of_pairs = list(lines(OWN.with_name("changes.jsonl")))
     differ, same = ([(row, pairs.answer(row).outcome) for row in of_pairs
                      if bool(row["change"]) == some] for some in (True, False))  # fmt: skip
@@ -297,6 +298,7 @@ def measured_words():
             *counts_of_walkers,
             *counts_of_laws,
             *counts_of_logs,
+            f"{len(sizes)} sets as of commit `{most_of(sizes)}`:",
             "none is claimed wrongly, with the cause listed or not; "
             f"{len(true)} of {len(sure)} end right or as a set",
         ],

@@ -59,8 +59,7 @@ def with_scatter(problem: Problem, seed: int) -> Problem:
              for effect in separated(effects, lambda effect: effect.x, SEARCH.apart)]  # fmt: skip
     ends = sorted(run_batched(short, looks), key=lambda end: end.cost)
     starts = [*(end.x for end in ends[: _FOLLOWED - 1]), null.x]
-    # On all readings of a long record what is left is known after a step; its beginning tells
-    # before whether readings follow a curve.
+    # A long record's beginning tells whether it follows a curve; a step on all, what is left.
     begin, is_long, last = None, short is not problem, _STEPS if short is problem else 1
     for steps in (_LOOK, _STEPS) if is_long else ():
         walks = [refine(short, form, h, problem.causes, x, steps=steps) for x in starts]
