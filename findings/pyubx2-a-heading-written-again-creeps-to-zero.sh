@@ -40,8 +40,8 @@ for name, key, unit, digits, counts in (("NAV-PVT", "headMot", 1e-5, 5, range(1,
             value = again(name, key, value)
         far = max(far, round((first - value) / unit))
     found[key] = changed / len(counts), mended / len(counts), far
-    print(f"{key}: {changed} of {len(counts)} one unit less, {far} units at most after ten times; with half a unit more "
-          f"{len(counts) - mended} changed")
+    print(f"{key}: {changed} of {len(counts)} one unit less, {far} units at most after ten times; with half a "
+          f"unit more {len(counts) - mended} changed")
 print(f"137.99498 as {again('NAV-PVT', 'headMot', 137.99498)}, 18.22 as {again('NAV-DOP', 'gDOP', 18.22)}")
 assert 0.4 < found["headMot"][0] < 0.6 and found["headMot"][2] >= 4 and 0.08 < found["gDOP"][0] < 0.2
 assert found["lat"][0] == 0 and all(mended == 1 for _, mended, _ in found.values())
