@@ -131,7 +131,9 @@ def beside_other_tools():
 
 
 def most_of(rows):
-    """The commit of most rows of a study; the others' answers are of the same golden verdicts."""
+    """The commit of most rows of a study, all of one engine by its golden verdicts."""
+    rows = list(rows)
+    (_,) = {row["state"]["golden"] for row in rows}
     return Counter(row["state"]["commit"] for row in rows).most_common(1)[0][0]
 
 
@@ -198,7 +200,6 @@ def measured_words():
         f" hidden it claims a cause in {claims_of(nothing)} of {len(nothing)}.",
     ]
     record = read(STUDY)
-    (_,) = {row["state"]["golden"] for row in record}  # of one engine, by commits that say alike
     judged = most_of(record)
     walkers = [case for case in map(Case, record) if case.counted]
     hiding, other, empty = (

@@ -56,7 +56,7 @@ def same(stored, got, tolerance):
 
 def played():
     """The notebook after all of its cells have run in an empty folder."""
-    nbclient, nbformat = map(pytest.importorskip, ("nbclient", "nbformat"))
+    nbclient, nbformat, _ = map(pytest.importorskip, ("nbclient", "nbformat", "ipykernel"))
     notebook = nbformat.read(PATH, as_version=4)
     with tempfile.TemporaryDirectory() as folder:
         return nbclient.execute(notebook, cwd=folder, record_timing=False)

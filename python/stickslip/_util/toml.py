@@ -20,7 +20,8 @@ def parse_toml(text: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        hint = "; a number has a decimal point" if re.search(r"=\s*[-+]?\d+,\d", text) else ""
+        comma = re.search(r"(?m)^\s*[\w.\"-]+\s*=\s*[-+]?\d+,\d", text)
+        hint = "; a number has a decimal point" if comma else ""
         raise ScenarioError(f"is not valid TOML: {' '.join(str(error).split())}{hint}") from None
     except (RecursionError, ValueError):  # lists in lists, or a number of thousands of digits
         raise ScenarioError("is not valid TOML: a list or a number in it has no end") from None

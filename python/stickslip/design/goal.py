@@ -123,9 +123,9 @@ class Goal:
         unit = units.unit_label(FIGURES[name].unit)
         of = "of" if sign > 0.0 else "of at least"
         text = f"{name} {value:.6g} {of} {limit:.6g} {unit}".rstrip()
-        name = "pull" if column in DRAGGED else "flight"
-        flag = f", default (--allow-{name} or allow_{name}=True removes it)"
-        return text + flag * (column in self.assumed)
+        kind = "pull" if column in DRAGGED else "flight"
+        removed = f", default (--allow-{kind} or allow_{kind}=True removes it)"
+        return text + removed * (column in self.assumed)
 
     def passed(self, worst: Mapping[str, float]) -> list[str]:
         """The worst values that pass their limits, each beside it."""
@@ -156,8 +156,8 @@ def made_goal(
     for name, limit in (*limits.items(), *at_least.items()):
         if not is_number(limit) or not math.isfinite(limit):
             refuse(f"limit on {name}", limit, "a finite number")
-        if limit < 0.0 and FIGURES[name].unit in _SIZES and name in limits:
-            refuse(f"limit on {name}", limit, "a number from 0, as it is never below")
+        if limits.get(name, 0.0) < 0.0 and FIGURES[name].unit in _SIZES:
+            refuse(f"limit on {name}", limits[name], "a number from 0, as it is never below")
     for name in at_least.keys() & limits.keys():
         if at_least[name] > limits[name]:
             refuse(f"at least {name}", at_least[name], f"at most its limit, {limits[name]:g}")

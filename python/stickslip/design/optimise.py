@@ -79,7 +79,7 @@ def optimise(
         restart. A positive range of a decade or more is searched in its logarithm. Of a velocity
         along an axis both words of ``drive.direction`` are tried unless it is here: the robot may
         be faster backward. With
-        ``drive.frequency`` the pulses change too, to at least four, so that all drives last as
+        ``drive.frequency`` the pulses change too, to at least four, so that drives last about as
         long as the start.
     limits : mapping, optional
         Greatest value of numbers of the summary, or of ``tilt_max``, the largest abs(theta), rad.

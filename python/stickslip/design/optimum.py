@@ -258,7 +258,7 @@ class Optimum(OneLine):
         drive, start = self.scenario.drive, self.start.drive
         if drive.kind == "program" or drive.pulses == start.pulses:
             return []
-        return [f"drive.pulses = {drive.pulses}, which last as long as {start.pulses} of the start"]
+        return [f"drive.pulses = {drive.pulses}, not {start.pulses}: they follow the frequency"]
 
     def _drive_lines(self) -> list[str]:
         """A line for each key, and for the knots of each coil."""
@@ -322,7 +322,7 @@ class Optimum(OneLine):
         that one cannot be written.
         """
         folder = Path(out)
-        comments = [*[self.beyond] * (self.beyond != ""), *self._pulses]
+        comments = [*filter(None, [self.beyond]), *self._pulses]
         writers = scenario_writers(self.scenario, folder / BEST, comments, VOLTAGES)
         writers[folder / FIGURE] = functools.partial(self.figure().savefig, dpi=150)
         folder.mkdir(parents=True, exist_ok=True)

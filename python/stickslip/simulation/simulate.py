@@ -76,7 +76,11 @@ def _parsed(until: str | None, scenarios: Iterable[Scenario]) -> Condition | Non
             until,
             'a condition such as "x >= 3e-3" or "theta <= -1.5", of '
             f"{', '.join(_core.stop_quantities)} (SI units and rad)"
-            + ("" if match is None else meant(match[1], _core.stop_quantities)),
+            + (
+                ""
+                if match is None or match[1] in _core.stop_quantities
+                else meant(match[1], _core.stop_quantities)
+            ),
         )
     quantity = match[1]
     if quantity in _core.plane_columns and not all(scenario.whole_plane for scenario in scenarios):
@@ -116,8 +120,9 @@ def simulate(
         Ends the run earlier where a condition is met, which is located like any other event:
         ``"x >= 3e-3"``, or another of time (s), x, y, z (m, of the centre of mass), theta (rad),
         revolutions (theta over 2 pi) or heading (rad; a robot that turns on to the left jumps from
-        pi to -pi, which meets ``heading <= -1``) with ``>=`` or ``<=``. A planar run has no y and
-        no heading. See `Run.condition_met`, and `Run.final_state`, as the record may end earlier.
+        pi to -pi, which meets ``heading <= -1``) with ``>=`` or ``<=``; ``>`` and ``<`` mean the
+        same. A planar run has no y and no heading. See `Run.condition_met`, and `Run.final_state`,
+        as the record may end earlier.
     out : path-like, optional
         Write the record to this file. A netCDF file (``.nc``, ``.nc4``, ``.h5``) grows while the
         run goes on, as NAME.part, with memory that does not, and gets its name at the end. What was

@@ -52,7 +52,7 @@ class Search:
     comfortable: float = 1.1  # chi-square per row up to which hardly more than errors is left
     explains: float = 0.01  # p-value from which on two causes leave nothing to a third
     other_forms: int = 4  # models fitted with each further form of the discrepancy
-    refitted: float = 0.1  # log-evidence of a reading that such a fit may gain on its linear model
+    refitted: float = 0.1  # most log-evidence a reading by which it beats its linear model
     drawn: int = 4  # sets of causes whose evidence is corrected by draws
 
 

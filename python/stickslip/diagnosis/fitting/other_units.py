@@ -30,9 +30,9 @@ from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.errors import ScenarioError
 
-# Points of the priors at which a unit is looked at, and units that are fitted. Chosen: with fewer
-# points an oscillation is out of phase at all of them.
-_DRAWS, _FITTED = 12, 4
+# Points of the priors at which a unit is looked at, units that are fitted, and such with causes.
+# Chosen: with fewer points an oscillation is out of phase at all of them.
+_DRAWS, _FITTED, _BESIDE = 12, 4, 2
 # Factor, either way, up to which one constant may be a part that was mistaken. Chosen: a wrong gear
 # or winding is tenfold; what is farther off is a unit.
 _WRONG_PART = 30.0
@@ -102,19 +102,20 @@ def unit_fault(
     null = next(iter(_fits([_looked_at(problem, seed)])), None)
     if null is None or (_is_like(null, problem, variance / _MISSED) and null.moved < _FAR):
         return None
-    units = _fits(_in_units(problem, of, known, seed), _FITTED)
+    units = sorted(_fits(_in_units(problem, of, known, seed), _FITTED), key=lambda e: e.cost(1.0))
     meant, rivals = [*units, *_fits(_beyond(problem, seed), _FITTED)], [null]
 
     def best_of_all() -> _End | None:
-        """The best in other units if it is like the data and no rival with likely constants is."""
+        """The best in other units, if it is like the data and no likely rival comes near."""
         best = min(meant, key=lambda end: end.cost(1.0), default=null)
         missed = all(end.chi2 > _MISSED * best.chi2 for end in rivals if end.moved <= _FAR)
-        like = best.moved <= _FAR and _is_like(best, problem, variance)
+        # With a cause that is free many models leave only a small part of the readings.
+        like = best.moved <= _FAR and _is_like(best, problem, 0.0 if best.of.causes else variance)
         return best if missed and like else None
 
     best = best_of_all()
     if best is None:  # Something may be wrong besides: a unit and one cause, against one cause.
-        meant = _fits(_beside(end for end in units if end.cost(1.0) < null.cost(1.0)))
+        meant = _fits(_beside([end for end in units if end.cost(1.0) < null.cost(1.0)][:_BESIDE]))
         meant = [end for end in meant if end.moved <= _FAR]
         rivals += _fits(_beside(rivals)) if meant else []
         best = best_of_all()
@@ -138,7 +139,7 @@ def unit_fault(
     told = {end.of.name if end.of.name in constants else end.of.words: end.of.words
             for end in reversed(alike)}  # fmt: skip
     text = " or ".join(reversed(told.values()))
-    beside = " and one cause" * any(end.of.causes for end in alike)
+    beside = " with one cause" * any(end.of.causes for end in alike)
     return Note("other-unit", f"The stated model{beside} would be like the data if {text}.")
 
 
@@ -169,7 +170,7 @@ def _in_units(
 
 
 def _beside(ends: Iterable[_End]) -> Iterator[_Try]:
-    """The same with each cause, of its usual size."""
+    """Fits begun at these ends, with each cause by itself at its usual size."""
     for end in ends:
         low, high = end.of.problem.limits
         for cause in end.of.problem.causes:
@@ -232,7 +233,7 @@ def _left(problem: Problem, values: Array) -> Array:
 
 
 def _fits(tries: Iterable[_Try], most: int | None = None) -> list[_End]:
-    """Ends of fits without a cause, where they can be fitted, of the best tries."""
+    """Ends of fits, with the causes of each try, of the best tries that can be fitted."""
     ends = []
     for one in sorted(tries, key=lambda one: one.left)[:most]:
         with contextlib.suppress(np.linalg.LinAlgError, ScenarioError):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -47,8 +47,8 @@ class Rivals:
         There are no columns where settings have no names.
         """
         named = given.settings if isinstance(given, Table) else columns_of("conditions", given)
-        columns = named if isinstance(named, Mapping) else {}
-        return given, {str(name): list(column) for name, column in columns.items()}
+        columns = named.items() if isinstance(named, Mapping) else ()
+        return given, {str(name): [*one] for name, one in columns if isinstance(one, Iterable)}
 
     def proposals(self) -> Any:
         """Conditions that may be measured next, as the model takes them; None without any."""

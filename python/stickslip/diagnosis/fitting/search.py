@@ -249,7 +249,7 @@ def _draw(models: Models, seed: int) -> None:
 
 
 def screened(models: Models, effects: Sequence[Response], forms: Sequence[str] = ()) -> None:
-    """Add single causes by the linear model about the recalibrated one, which every form gets."""
+    """Add no cause and single ones by the linear model about the recalibrated one, in `forms`."""
     null = models.null
     ends: dict[tuple[Cause, ...], End] = {(): null.end}
     for effect in effects:
@@ -458,7 +458,6 @@ def _fit_other_forms(models: Models) -> None:
             hopes.append((models.log_posterior(hope), old, hope, better))
         hopes.sort(key=lambda hope: -hope[0])
         starts = []
-        # A fit in another inner product leaves hardly less than its linear model promises.
         room = SEARCH.margin + SEARCH.refitted * len(models.problem.y)
         for rank, (promised, old, hope, better) in enumerate(hopes):
             behind = hopes[0][0] - promised
