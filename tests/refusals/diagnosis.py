@@ -31,7 +31,8 @@ from stickslip.diagnosis.terms.laws import Curves, beside_constants
 from stickslip.walker.experiments import drive_settings
 from stickslip.walker.next_table import TABLE, with_measured
 from stickslip.walker.problem import posed_by
-from toys import SLOPE, WAVE
+from toys import LEVEL, SLOPE, WAVE, line
+from toys import data as table_of
 
 X, ROW = np.linspace(1.0, 3.0, 12), np.ones(3)
 HEIGHT = Parameter("wave.height", size=0.5, low=-5.0, high=5.0)
@@ -231,6 +232,8 @@ ASKED = [
       for level in (0.0, 1.0, -0.5, math.nan, "0.9", True)),
     (lambda: toy().candidate("bmup"), ["no such model was fitted", 'did you mean "bump"']),
     (lambda: toy().candidate(""" a "\n" """), "no such model was fitted"),
+    (lambda: diagnose_model(line, table_of(), [SLOPE, LEVEL], [WAVE])
+     .predict({"x": [1.0, 2.0], "z": 1.0}), ["settings z", "2 rows"]),
     (lambda: toy().propose_experiments(), ["model of one's own", "separate"]),
     (lambda: toy().trial_table([]), ["trial_table", "a measurement", "model of one's own"]),
     (lambda: made.refused(toy()).predict([0.5]), "predict: the data allow no diagnosis"),
