@@ -131,8 +131,10 @@ def test_sweeps_and_predictions_have_it_where_the_scenario_asks(scenario):
     assert "pull_share needs --set record.pull_share=yes, left out" in done.stderr
 
 
-def test_without_friction_or_motion_there_is_no_share():
+def test_without_friction_contact_or_motion_there_is_no_share():
     free = {"contact.static_friction": 0.0, "contact.kinetic_friction": 0.0}
     assert share({**WALK, **free}) == 0.0
+    # What presses a robot that falls through the whole window and its momentum cancel.
+    assert share({**LANDS, "initial.z": 2e-3, "initial.vz": 0.0, "drag.linear": 1e-5}) == 0.0
     still = Waveform.ramp(0.1, {})
     assert share({"drive.mode": "program", "drive.program": still}) == 0.0

@@ -41,7 +41,11 @@ void WindowObserver::close_window(double time) {
     // By the balance of momentum, which has the impacts too.
     const Model& model = player_.model();
     const double normal = pulled_.pressing + model.mass * (closed.vz - opened_.vz);
-    const double held = model.friction.static_coefficient * normal;
+    // In flight throughout the two cancel but for the error of the steps.
+    constexpr double kNothing = 1e-6;
+    const double held = normal > kNothing * std::abs(pulled_.pressing)
+                            ? model.friction.static_coefficient * normal
+                            : 0.0;
     of_window_.pull_share =
         way > 0.0 && held > 0.0 ? (pulled_.x * x + pulled_.y * y) / (way * held) : 0.0;
 }
