@@ -6,6 +6,7 @@
 
 #include "stickslip/contact/dynamics.hpp"
 #include "stickslip/run/assembly.hpp"
+#include "stickslip/scenario/scenario.hpp"
 
 /// Helpers that several test files share.
 namespace stickslip::test {
