@@ -325,12 +325,19 @@ TEST_CASE("impacts: what is captured below its least speed gains no energy") {
 TEST_CASE("stop impact: restitution, momentum, Coulomb's cone and energy, whatever touches") {
     Random random(4);
     int stuck = 0, slid = 0, left = 0;
+    // Waves as long as the robot: friction is that of where it touches, not of its middle.
+    const Law patches = {
+        .kind = {Quantity::friction, Acts::multiplies, Argument::place, Form::wave},
+        .amplitude = 0.6,
+        .scale = 5e-5};
     for (int n = 0; n < 6000; ++n) {
         CAPTURE(n);
         CornerImpact drawn(random, 1.3, 0.0);
         Model& model = drawn.model;
         BodyState& before = drawn.before;
         model.inner.mass = model.mass * random.between(0.05, 3.0);
+        model.laws = LawSet({patches});
+        before.x = random.between(-1e-3, 1e-3);
         const Touch touch = static_cast<Touch>(random.integer(0, 2));
         const bool lies = touch == Touch::face, slips = random.coin();
         if (lies) before.angle = before.omega = 0.0;
@@ -359,8 +366,10 @@ TEST_CASE("stop impact: restitution, momentum, Coulomb's cone and energy, whatev
         const double small = 10.0 * impulse_tolerance(model);
         CHECK(blow >= 0.0);
         CHECK(normal >= -small);
+        const double place = lies ? before.x : before.x + pose.lever_arm;
         const double mu =
-            slips ? model.friction.kinetic_coefficient : model.friction.static_coefficient;
+            (1.0 + patches.amplitude * std::sin(place / patches.scale)) *
+            (slips ? model.friction.kinetic_coefficient : model.friction.static_coefficient);
         CHECK(std::abs(tangential) <= mu * normal + small);
         if (!lies) {
             const double moment = turning + pose.height * tangential + pose.lever_arm * normal;
