@@ -19,8 +19,6 @@ PROGRAMS = {
     "golden": ("golden", "whether the diagnosis says of 149 problems what it said before"),
     "peers": ("peers", "SciPy, heyoka, MuJoCo and magpylib at equal accuracy"),
     "blind": ("blind", "the blind study of the diagnosis: make, diagnose, judge, tables ..."),
-    "untold": ("untold", "whether what data cannot tell is said, of made sets"),
-    "planned": ("planned", "hidden causes named after a planned and after an even table"),
     "causes": ("causes", "a benchmark for any tool that names causes: make, run, score"),
     "drawn": ("drawn_logs", "drawn logs and tables of known truth, right, noted or refused"),
     "real": ("real.study", "measured sets with a known cause, diagnosed and judged"),

@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from blind import units
 from blind.generator import make
 from blind.settings import FLOOR, PULSES, SCATTER, TRIALS, priors
 from blind.writing import write_case, write_more
@@ -33,13 +32,6 @@ def _said(kind, seed):
     name = f"{kind.replace(' ', '-')}-{seed}"
     found = diagnose(read_measurement(DATA / name / "measurement.toml"))
     return _answer(name), found.as_dict(), set(found.verdict.causes)
-
-
-@pytest.mark.parametrize("seed", [46443, *(pytest.param(each, marks=pytest.mark.nightly)
-                                          for each in range(46000, 46005))])  # fmt: skip
-def test_a_unit_that_nobody_stated_is_told(seed):
-    # In the first an oscillation is out of phase unless the other constants move too.
-    assert units.judged(seed)["right"]
 
 
 @pytest.mark.nightly

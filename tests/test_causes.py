@@ -1,15 +1,14 @@
-"""The benchmark of named causes, and the study of planned tables: sets, tools, counts."""
+"""The benchmark of named causes: its sets, tools and counts."""
 
 import json
 
 import numpy as np
-import planned
 import pytest
 from causes import make, walkers
 from causes.__main__ import ANSWERS, KEPT, shown
 from causes.tools import TOOLS, asked
 
-from stickslip import Series, diagnose_model, models, simulate
+from stickslip import Series, diagnose_model, models
 
 
 def test_every_set_is_asked_and_told_apart_from_its_truth():
@@ -86,15 +85,3 @@ def test_a_cause_that_is_not_listed_is_none_of_a_walker():
     assert gone == {"friction_anisotropy"}
     stated = [each.model(each.physical(np.zeros((1, each.size)))) for each in (listed, without)]
     assert np.allclose(*stated, rtol=1e-3, atol=1e-6)
-
-
-def test_a_table_has_the_velocities_of_its_drives(monkeypatch):
-    monkeypatch.setattr(planned, "NOISE", 0.0)
-    robot, random = planned.stated(), np.random.default_rng(0)
-    rows = planned.even(robot).sample(frac=0.2, random_state=1)
-    seen = planned.measured(robot, rows, random)
-    keys = [each for each in planned.KEYS if each in rows]
-    for row in seen.to_dict("records"):
-        alone = simulate(robot.replace({f"drive.{key}": row[key] for key in keys}))
-        assert row["velocity"] == alone.mean_velocity
-    assert seen["velocity"].nunique() > 3

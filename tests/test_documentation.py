@@ -9,8 +9,8 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from blind import changes as pairs
-from blind import own, twins
+from blind import own
+from blind.finished import answer_of_change, answer_of_twins
 from blind.scoring import Case, read
 from blind.study import lines
 from causes.__main__ import ANSWERS
@@ -241,7 +241,7 @@ def measured_words():
               for hidden in (True, False)]  # fmt: skip
     wrong = [row for row in logs["units"] if row["wrong"]]
     bare = sum(row["verdict"] in CLAIMS and not row["told"] for row in wrong)
-    told = [twins.answer(row).outcome for row in logs["twins"]]
+    told = [answer_of_twins(row).outcome for row in logs["twins"]]
     off = {line: [row["z"] for row in logs["late"] if row["input"] == line]
            for line in ("held", "line")}  # fmt: skip
     rms = {line: np.sqrt(np.mean(np.square(each))) for line, each in off.items()}
@@ -265,7 +265,7 @@ def measured_words():
     ]
     sizes = list(lines(OWN.with_name("intervals.jsonl")))
     of_pairs = list(lines(OWN.with_name("changes.jsonl")))
-    differ, same = ([(row, pairs.answer(row).outcome) for row in of_pairs
+    differ, same = ([(row, answer_of_change(row).outcome) for row in of_pairs
                      if bool(row["change"]) == some] for some in (True, False))  # fmt: skip
     ends = [outcome for _, outcome in differ]
     counts_of_pairs = (

@@ -5,7 +5,7 @@ from itertools import combinations, product
 import numpy as np
 import pytest
 from blind import seeds
-from blind.__main__ import OF_LOGS
+from blind.__main__ import TABLES
 from blind.study import HERE, in_parts, lines
 from scores import Answer, interval, table
 
@@ -92,7 +92,7 @@ def rows_of(study):
             yield (folder.name, kind, one["seed"]), one["seed"], row["state"]["commit"]
 
 
-@pytest.mark.parametrize("study", [*OF_LOGS, "walkers"])
+@pytest.mark.parametrize("study", [*TABLES, "walkers"])
 def test_every_judged_row_is_of_a_range_that_is_listed(study):
     rows, judged = list(rows_of(study)), set()
     assert len({which for which, *_ in rows}) == len(rows) > 0

@@ -16,22 +16,23 @@ from pathlib import Path
 
 from stale import stale
 
-from blind import changes, intervals, own, seeds, twins, units
+from blind import finished, own, seeds
 from blind.kinds import KINDS, STUDY, plan
 from blind.scoring import read, report
 from blind.study import HERE, Row, diagnose_sets, in_parts, judge, lines, make
 from blind.writing import write_case
 
 OF_LOGS = {
-    "own": (own.of_seed, own.tables, "sets of models of one's own"),
-    "clean": (own.of_clean, own.tables, "sets that hide nothing"),
-    "twins": (twins.judged, twins.table, "logs of near twins"),
-    "changes": (changes.judged, changes.table, "pairs of logs with one difference"),
-    "intervals": (intervals.judged, intervals.table, "sizes beside an error of the model"),
-    "servo": (own.of_servo, own.tables, "logs of servos"),
-    "units": (units.judged, units.table, "logs in a unit that nobody stated"),
+    "own": (own.of_seed, "sets of models of one's own"),
+    "clean": (own.of_clean, "sets that hide nothing"),
+    "servo": (own.of_servo, "logs of servos"),
 }
-"""Studies in one file: the row of a seed, the table of rows, and the data sets in words."""
+"""Studies in one file: the row of a seed, and the data sets in words."""
+TABLES = {
+    **dict.fromkeys(OF_LOGS, own.tables), "intervals": finished.intervals,
+    "changes": finished.changes, "twins": finished.twins, "units": finished.units,
+}  # fmt: skip
+"""The table of the rows of a file, by its stem; others are of walkers."""
 
 
 def show(rows: list[Row], table: Callable[[list[Row]], str] = report) -> None:
@@ -65,7 +66,7 @@ def main() -> None:
     write.add_argument("kind", choices=KINDS)
     write.add_argument("seed", type=int)
     write.add_argument("into", type=Path)
-    for name, (*_, text) in OF_LOGS.items():
+    for name, (_, text) in OF_LOGS.items():
         step = steps.add_parser(name, parents=[folder, time], help=text)
         newest = seeds.ranges(name)[-1]
         step.add_argument("--first", type=int, default=newest.first, help="seed")
@@ -83,13 +84,13 @@ def main() -> None:
     elif options.step == "judge":
         show(judge(options.folder))
     elif options.step == "tables":
-        one = OF_LOGS.get(options.record.stem)
-        show(read(options.record)) if one is None else show([*lines(options.record)], one[1])
+        table = TABLES.get(options.record.stem)
+        show(read(options.record)) if table is None else show([*lines(options.record)], table)
     elif options.step in OF_LOGS:
-        judged, table, _ = OF_LOGS[options.step]
+        judged, _ = OF_LOGS[options.step]
         asked = range(options.first, options.first + options.sets)
         path = options.folder / f"{options.step}.jsonl"
-        show(in_parts(path, options.minutes, asked, judged), table)
+        show(in_parts(path, options.minutes, asked, judged), own.tables)
     else:
         answer = write_case(options.into / "data", options.kind, options.seed)
         (options.into / "answer.json").write_text(json.dumps(answer, indent=2) + "\n")

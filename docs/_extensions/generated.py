@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import click
-from blind import changes, intervals, own, scoring, study
+from blind import finished, own, scoring, study
 from docutils import nodes
 from real.score import by_tool
 from report_keys import reference
@@ -23,7 +23,8 @@ from stickslip.scenario.keys import Key, known_keys
 
 MEASURED = Path(__file__).parents[1] / "measured"
 STUDIES = {**{name: (study.HERE / "study" / f"{name}.jsonl", tables) for name, tables in
-              {"own": own.tables, "changes": changes.table, "intervals": intervals.table}.items()},
+              {"own": own.tables, "changes": finished.changes,
+               "intervals": finished.intervals}.items()},
            "walkers": (study.HERE / "study" / study.RECORD, scoring.table),
            "laws": (study.HERE / "laws" / study.RECORD, scoring.table)}  # fmt: skip
 OF_VERDICTS = {"real.json": "rows", "walkers.json": "rows", "planned.json": "rows",

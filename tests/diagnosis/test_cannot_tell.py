@@ -1,12 +1,7 @@
 """Limits of the data, on made sets whose limits are known."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-
-sys.path.append(str(Path(__file__).resolve().parents[2] / "bench"))
 
 from untold import KINDS, is_more_told, is_told, made
 
@@ -37,7 +32,7 @@ def test_twins_that_the_data_part_have_the_reading_that_does():
 
 @pytest.mark.nightly
 def test_what_is_said_of_a_hundred_sets_is_right():
-    """Counts of `python -m bench untold`, for other seeds."""
+    """As counted in docs/measured/untold.json, for other seeds."""
     seeds = range(1, 5)
     told = [is_told(kind, *made(kind, False, seed)) for kind in KINDS for seed in seeds]
     wrong = [is_more_told(made(kind, True, seed)[0]) for kind in KINDS for seed in seeds]

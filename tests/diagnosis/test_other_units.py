@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from causes.make import simulated
 
 from stickslip import Series, Table, diagnose_model, models
 from stickslip._util.units import mistaken
@@ -78,6 +79,20 @@ def test_a_constant_in_another_unit_is_told(tmp_path):
     verdict = found(log_of(tmp_path, JOINT, {}, {}), inertia=1e7 * J).verdict
     assert verdict.kind == "data-problem"
     assert "inertia were 1/1e+07 times what is stated" in verdict.reasons[0].text
+
+
+def test_a_constant_is_told_where_an_oscillation_is_out_of_phase():
+    # With the other constants at their middles no stiffness is like the readings.
+    t = 0.03 * np.arange(150)
+    force = 3.0 * np.sign(np.sin(2.9 * t + 5.5)) * (0.6 + 0.4 * np.sin(0.67 * t))
+    true = {"mass": 0.68, "stiffness": 70.0, "viscous": 0.58, "start": 0.02}
+    y = simulated("oscillator", true, t, force)
+    y = y + 0.002 * np.random.default_rng(0).standard_normal(len(t))
+    known = {"mass": (0.69, 0.014), "stiffness": (0.0594, 0.0059), "viscous": (0.57, 0.03)}
+    log = Series(t, y, {"force": force}, unit="m")
+    verdict = diagnose_model(models.oscillator(**known), log).verdict
+    assert verdict.kind == "data-problem"
+    assert "stiffness were 1000 times what is stated" in verdict.reasons[0].text
 
 
 @pytest.mark.parametrize(("gear", "said"), [(10.0, True), (0.1, True), (6.0, False)])

@@ -1,28 +1,21 @@
-"""``python -m bench untold``: whether what data cannot tell is said, of made sets.
+"""Made sets whose data cannot tell something, and as many of the same kinds in which they tell.
 
 Of each set it is known by the way it was made: twins, constants that trade, constants that hide a
-cause or are idle; and as many sets of the same kinds in which the data tell.
+cause or are idle.
 """
 
 from __future__ import annotations
 
-import argparse
-import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from blind.seeds import used
-from measure import add_out, saved
-from scores import interval
-from stale import digest
 
 from stickslip import Cause, Diagnosis, Parameter, Prior, Series, Table, diagnose_model
 
 Array = np.ndarray
 Values = dict[str, float]
 Predict = Callable[[Any, Any], Array]
-JUDGED = 27100  # first of the seeds that are counted
 
 
 def cause(name: str) -> Cause:
@@ -279,42 +272,3 @@ def is_more_told(result: Diagnosis) -> bool:
     """Whether anything is said to be untold."""
     found = result.cannot_tell
     return bool(pairs(found) or found.groups or found.silent or found.hidden)
-
-
-def main(arguments: Iterable[str] | None = None) -> int:
-    """Diagnose, count and write."""
-    parser = argparse.ArgumentParser(prog="python -m bench untold", description=__doc__)
-    parser.add_argument("kinds", nargs="*", metavar="KIND", help=", ".join(KINDS))
-    parser.add_argument("--first", type=int, default=JUDGED, help="seed of the first set of a kind")
-    parser.add_argument("--seeds", type=int, default=4, help="sets of each kind")
-    add_out(parser, "untold")
-    options = parser.parse_args(None if arguments is None else list(arguments))
-    print(*used("untold", range(options.first, options.first + options.seeds)), sep="\n")
-    kinds = options.kinds or KINDS
-    begin, counts = time.process_time(), np.zeros((len(kinds), 2), dtype=int)
-    for place, kind in enumerate(kinds):
-        if kind not in KINDS:
-            parser.error(f"{kind}: allowed are {', '.join(KINDS)}")
-        for seed in range(options.first, options.first + options.seeds):
-            way = ("table", "series")[seed % 2]
-            told = is_told(kind, *made(kind, False, seed, way))
-            wrong = is_more_told(made(kind, True, seed, way)[0])
-            counts[place] += told, wrong
-            if wrong or not told:
-                print(f"{kind} {seed}: {'' if told else 'not told'} {'wrong' * wrong}", flush=True)
-    total = len(kinds) * options.seeds
-    for what, count in zip(("cannot tell: said", "can tell: said wrongly"), counts.sum(axis=0),
-                           strict=True):  # fmt: skip
-        low, high = interval(int(count), total)
-        print(f"{what} {count} of {total} ({100 * low:.0f} to {100 * high:.0f} %)")
-    rows = {kind: {"said": int(said), "wrongly": int(wrong), "golden": digest()}
-            for kind, (said, wrong) in zip(kinds, counts, strict=True)}  # fmt: skip
-    result = {"of each": options.seeds, "kinds": rows,
-              "cpu_seconds": round(time.process_time() - begin)}  # fmt: skip
-    if not options.kinds:
-        saved(options.out, "untold", result)
-    return 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
