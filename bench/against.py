@@ -21,7 +21,7 @@ import tarfile
 from pathlib import Path
 
 import numpy as np
-from measure import FEWEST, MOST, figure_of, filled, in_turn, pin, ratios, saved
+from measure import figure_of, filled, in_turn, pin, ratios, saved
 from works import WORKS
 
 import stickslip
@@ -107,8 +107,6 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m bench against", description=__doc__)
     parser.add_argument("commit", help="the earlier commit, or a folder with its built package")
     parser.add_argument("--works", default=",".join(WORKS), help="separated by commas")
-    parser.add_argument("--fewest", type=int, default=FEWEST, help="pairs at least")
-    parser.add_argument("--most", type=int, default=MOST, help="pairs at most")
     parser.add_argument("--limit", type=float, metavar="RATIO", help="1 if an interval ends above")
     parser.add_argument("--out", type=Path, default=Path("bench/results/against.json"))
     options = parser.parse_args()
@@ -124,7 +122,7 @@ def main() -> int:
     for work in names:
         for rtol in TOLERANCES:
             asked = [functools.partial(each.seconds, work, rtol) for each in (now, before)]
-            samples = list(in_turn(asked, options.fewest, options.most))
+            samples = list(in_turn(asked))
             ratio = ratios(samples)
             second, first = (figure_of(mine).median for mine in zip(*samples, strict=True))
             wrong = errors([before, now], work, rtol)

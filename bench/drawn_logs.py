@@ -25,6 +25,7 @@ OUTCOMES = "right", "noted", "unstated", "refused", "WRONG"
 JOINT = models.joint(inertia=0.1, viscous=0.2)
 TURNS, RADIANS = 60.0 / (2.0 * np.pi), 180.0 / np.pi
 Truth = dict[str, np.ndarray]
+Writer = Callable[[np.random.Generator, Truth], str]
 
 
 def truth(random: np.random.Generator) -> Truth:
@@ -95,8 +96,8 @@ def _spreadsheet(random: np.random.Generator, of: Truth) -> str:
 
 def _logger(random: np.random.Generator, of: Truth) -> str:
     begin = datetime(2026, int(random.integers(1, 13)), int(random.integers(1, 28)), 10, 0, 0)
-    lines = [f"# Logger {random.integers(99)}", "# Interval: as set", "", "Date Time,speed,torque"]
-    lines[3] = "datetime,speed (deg/s),torque (Ncm)"
+    lines = [f"# Logger {random.integers(99)}", "# Interval: as set", ""]
+    lines.append("datetime,speed (deg/s),torque (Ncm)")
     lines += [f"{(begin + timedelta(seconds=float(a))).isoformat(sep=' ', timespec='microseconds')}"
               f",{c * RADIANS:.7g},{b * 100:.6g}" for a, b, c in _rows(of)]  # fmt: skip
     return "\n".join(lines) + "\n"
@@ -121,15 +122,6 @@ def _plc(random: np.random.Generator, of: Truth) -> str:
     return "\r\n".join(lines)
 
 
-def _encoder(random: np.random.Generator, of: Truth) -> str:
-    """Speeds of 16 bits, in tenths of rpm, without a sign."""
-    lines = ["t [s],torque [N m],speed [rpm]"]
-    lines += [
-        f"{a:.4f},{b:.4f},{(round(c * TURNS * 10) % 65536) / 10:.1f}" for a, b, c in _rows(of)
-    ]
-    return "\n".join(lines) + "\n"
-
-
 def _arduino(random: np.random.Generator, of: Truth) -> str:
     """``micros()``, ``millis()`` or seconds without a word on it."""
     size = float(random.choice([1.0, 1e3, 1e6]))
@@ -150,25 +142,22 @@ def _unix(random: np.random.Generator, of: Truth) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _days(random: np.random.Generator, of: Truth) -> str:
-    lines = ["Date,Torque (Nm),Speed (rad/s)"]
-    lines += [f"{46143.4 + a / 86400:.12f},{b:.4f},{c:.6f}" for a, b, c in _rows(of)]
-    return "\n".join(lines) + "\n"
+def _plain(head: str, row: Callable[[float, float, float], str]) -> Writer:
+    """Rows of time, torque and speed below a heading."""
+    return lambda random, of: "\n".join([head, *(row(*each) for each in _rows(of))]) + "\n"
 
 
-def _minutes(random: np.random.Generator, of: Truth) -> str:
-    """Log whose times are minutes and seconds, as of a stopwatch."""
-    lines = ["time,torque (N m),speed (rad/s)"]
-    lines += [
-        f"{int(60 + a) // 60:02}:{(60 + a) % 60:07.4f},{b:.4f},{c:.6f}" for a, b, c in _rows(of)
-    ]
-    return "\n".join(lines) + "\n"
-
-
-WRITERS: dict[str, Callable[[np.random.Generator, Truth], str]] = {
+WRITERS: dict[str, Writer] = {
     "oscilloscope": _oscilloscope, "spreadsheet": _spreadsheet, "logger": _logger,
-    "controller": _controller, "plc": _plc, "encoder": _encoder, "arduino": _arduino,
-    "unix": _unix, "days": _days, "stopwatch": _minutes,
+    "controller": _controller, "plc": _plc,
+    # Speeds of 16 bits, in tenths of rpm, without a sign.
+    "encoder": _plain("t [s],torque [N m],speed [rpm]", lambda a, b, c:
+                      f"{a:.4f},{b:.4f},{(round(c * TURNS * 10) % 65536) / 10:.1f}"),
+    "arduino": _arduino, "unix": _unix,
+    "days": _plain("Date,Torque (Nm),Speed (rad/s)", lambda a, b, c:
+                   f"{46143.4 + a / 86400:.12f},{b:.4f},{c:.6f}"),
+    "stopwatch": _plain("time,torque (N m),speed (rad/s)", lambda a, b, c:
+                        f"{int(60 + a) // 60:02}:{(60 + a) % 60:07.4f},{b:.4f},{c:.6f}"),
 }  # fmt: skip
 
 

@@ -33,8 +33,8 @@ class Written(NamedTuple):
     cells: list[str]
 
 
-def _cells(values: Sequence[float], digits: int = 9) -> list[str]:
-    return [f"{value:.{digits}g}" for value in values]
+def _cells(values: Sequence[float]) -> list[str]:
+    return [f"{value:.9g}" for value in values]
 
 
 # ----------------------------------------------------------------------------- how a column is told

@@ -209,13 +209,10 @@ def main() -> int:
     parser.add_argument("--threads", default="1", help="as 1,2; with --against")
     parser.add_argument("--renew", action="store_true", help="write the stored file anew")
     parser.add_argument("--only", default="", metavar="PATTERN", help="of the problems' names")
-    parser.add_argument("--part", default="1/1", metavar="K/N", help="every Nth, from the Kth on")
     parser.add_argument("--jobs", type=int, default=1, help="processes")
     options = parser.parse_args()
-    part, parts = map(int, options.part.split("/"))
     package, before = Path(stickslip.__file__).parents[1], stored()
     chosen = [name for name in {**before, **PROBLEMS} if re.search(options.only, name)]
-    chosen = chosen[part - 1 :: parts]
     names = [name for name in chosen if name in PROBLEMS]
 
     def said(of: Path, threads: int) -> dict[str, Any]:

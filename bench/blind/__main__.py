@@ -48,11 +48,10 @@ def main() -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     steps = parser.add_subparsers(dest="step", required=True)
-    folder, time, some = (argparse.ArgumentParser(add_help=False) for _ in range(3))
+    folder, time = (argparse.ArgumentParser(add_help=False) for _ in range(2))
     folder.add_argument("--folder", type=Path, default=HERE / "study")
     time.add_argument("--minutes", type=float, default=15.0, help="begin none after this time")
-    some.add_argument("--kinds", default=";".join(KINDS), help="separated by semicolons")
-    made = steps.add_parser("make", parents=[folder, time, some], help="draw data sets")
+    made = steps.add_parser("make", parents=[folder, time], help="draw data sets")
     made.add_argument(
         "--first", type=int, default=STUDY, help="seed; below that of the study, its plan is wider"
     )
@@ -72,11 +71,8 @@ def main() -> None:
         step.add_argument("--first", type=int, default=newest.first, help="seed")
         step.add_argument("--sets", type=int, default=newest.count, help="at most")
     options = parser.parse_args()
-    kinds = options.kinds.split(";") if "kinds" in options else []
-    if not set(kinds) <= set(KINDS):
-        parser.error(f"--kinds: allowed are {'; '.join(KINDS)}")
     if options.step == "make":
-        asked = plan(options.first, options.seeds, kinds, study=options.first >= STUDY)
+        asked = plan(options.first, options.seeds, [*KINDS], study=options.first >= STUDY)
         make(options.folder, asked, options.minutes)
     elif options.step == "diagnose":
         part, parts = map(int, options.part.split("/"))

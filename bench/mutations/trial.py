@@ -182,7 +182,6 @@ def main(language: ModuleType, words: list[str]) -> int:
     parser.add_argument("--part", default="1/1", metavar="K/N", help="every Nth from the Kth on")
     parser.add_argument("--limit", type=float, default=60.0, help="CPU seconds of the tests of one")
     parser.add_argument("--out", type=Path, help="JSON lines, to which results are appended")
-    parser.add_argument("--list", action="store_true", help="print the changes, try none")
     options = parser.parse_args(words)
     chosen = drawn(language, options.seed, options.count)
     part, parts = map(int, options.part.split("/"))
@@ -200,10 +199,7 @@ def main(language: ModuleType, words: list[str]) -> int:
             f"{' '.join(old.split())} -> {mutation.text or 'nothing'}",
         )
         row = known.get(place)
-        if options.list:
-            near = tests_of(mutation)
-            row = {"verdict": "", "test": " ".join(near)}
-        elif row is None:
+        if row is None:
             trial = trial or Trial(language.Copy(), options.limit)
             started = time.monotonic()
             verdict, test = trial.judged(mutation)
@@ -219,6 +215,5 @@ def main(language: ModuleType, words: list[str]) -> int:
                     print(json.dumps(row), file=out)
         verdicts[row["verdict"]] += 1
         print(f"{place[0]}:{place[1]}: {place[2]}: {row['verdict']} {row['test']}", flush=True)
-    if not options.list:
-        print(", ".join(f"{count} {verdict}" for verdict, count in verdicts.items()))
+    print(", ".join(f"{count} {verdict}" for verdict, count in verdicts.items()))
     return int(verdicts["survives"] > 0)
