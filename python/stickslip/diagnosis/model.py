@@ -425,11 +425,13 @@ def without_effect(problem: Problem) -> list[Note]:
     # What begins to act as it falls is looked at where it acts most.
     strong = np.where(falls, high, usual)
     stated = np.diag(strong)
-    dead = _unchanged(problem, np.zeros((1, problem.size)), stated)
-    if dead.any():
-        others = np.tile(usual, (problem.size, 1))
-        np.fill_diagonal(others, np.where(falls, strong, 0.0))
-        dead &= _unchanged(problem, usual[None, :], others)
+    others = np.tile(usual, (problem.size, 1))
+    np.fill_diagonal(others, np.where(falls, strong, 0.0))
+    dead = np.ones(problem.size, dtype=bool)
+    for each in dict.fromkeys((problem.short, problem)):  # what acts at first, acts
+        for base, changed in ((np.zeros_like(usual), stated), (usual, others)):
+            if dead.any():
+                dead &= _unchanged(each, base[None], changed)
     notes, named = [], set[str]()
     for cause in problem.causes:
         outside = _outside(cause, problem.tables)

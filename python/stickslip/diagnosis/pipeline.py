@@ -17,7 +17,7 @@ from stickslip.diagnosis.fitting.law_forms import with_forms
 from stickslip.diagnosis.fitting.models import Fit, minimise, sharpened
 from stickslip.diagnosis.fitting.problem import FAR_OFF, Problem
 from stickslip.diagnosis.fitting.responses import responses
-from stickslip.diagnosis.fitting.search import Models, Progress, screened, search
+from stickslip.diagnosis.fitting.search import Models, Progress, draw, screened, search
 from stickslip.diagnosis.fitting.starts import recalibrated
 
 # Draws about the recalibrated model that show its own noise, and their widths: a share of what the
@@ -45,7 +45,7 @@ def run(
     if fault is None and (test.misfit or posterior(models).has_cause):
         models = Models(problem, problem.causes)
         models.add(null)
-        search(models, ends, problem.causes, say, seed)
+        search(models, ends, problem.causes, say)
         if problem.laws and problem.wider and models.reaches:
             # Where the likeliest causes leave more than the errors as they are stated, or are one
             # on each of two sides, which may be one that both have.
@@ -57,7 +57,8 @@ def run(
                 laws = problem.laws(problem, models.null.x)
                 wider = problem.wider(problem, laws)
                 models = models.widened(wider, wider.causes)
-                search(models, [], laws, say, seed)
+                search(models, [], laws, say)
+        draw(models, seed)
         models = with_forms(models)
     say(0.9, "deciding")
     if models.null.cost < null.cost - _BETTER:

@@ -158,15 +158,11 @@ class Exact(Form):
 
     def weighted(self, prepared: Any, residual: Array, h: Array) -> Array:
         chi2 = self.problem.chi2_of_tables(self.computed(residual[:, None]).T)[:, 0]
-        return np.asarray(prepared.T @ (self._weights(chi2)[:, None] * prepared))
-
-    def _weights(self, chi2: Array) -> Array:
-        """Derivative of the cost by the chi-square of its table, of each row."""
-        weights = np.ones(self.n)
+        weights = np.ones(self.n)  # the derivative of the cost by the chi-square of the table
         for part, dof, value in zip(self.problem.rows, self.problem.dof, chi2, strict=True):
             if math.isfinite(dof):
                 weights[part] = (dof + part.stop - part.start) / (dof + value)
-        return weights
+        return np.asarray(prepared.T @ (weights[:, None] * prepared))
 
     def misfit(self, prepared: Any, h: Array) -> Array:
         total = np.zeros(prepared.shape[1])

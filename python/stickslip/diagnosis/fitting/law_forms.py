@@ -57,7 +57,11 @@ def _compared(models: Models, names: frozenset[str], law: Cause) -> Models:
         old = models.get(names, name)
         # A form may explain what no curve through knots does.
         if old is not None and (name == "exact" or models.log_posterior(old) >= least):
-            fits[name] = _by_form(models, old, law, others)
+            own = old.log_evidence + models.corrections.get(names, 0.0)
+            tries = [_fitted(models, old, law, other) for other in others.values()]
+            refits = zip(others, run_batched(models.problem, tries), strict=True)
+            near = {form: fit for form, fit in refits if fit}
+            fits[name] = {"curve": replace(old, log_evidence=own), **near}
     chance = _chances(fits)
     for name, by_form in fits.items():
         mean = logsumexp([fit.log_evidence for fit in by_form.values()]) - math.log(1 + len(others))
@@ -66,14 +70,6 @@ def _compared(models: Models, names: frozenset[str], law: Cause) -> Models:
     models.corrections[names] = 0.0
     models.of_forms[names] = chance
     return models
-
-
-def _by_form(models: Models, old: Fit, law: Cause, others: Mapping[str, Cause]) -> dict[str, Fit]:
-    """Fits of a model with its law as a curve, and in each other form that comes near."""
-    curve = replace(old, log_evidence=old.log_evidence + models.corrections.get(old.names, 0.0))
-    tries = [_fitted(models, old, law, other) for other in others.values()]
-    refits = run_batched(models.problem, tries)
-    return {"curve": curve, **{form: fit for form, fit in zip(others, refits, strict=True) if fit}}
 
 
 def _chances(fits: Mapping[str, Mapping[str, Fit]]) -> dict[str, float]:

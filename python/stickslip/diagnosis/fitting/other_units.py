@@ -102,8 +102,11 @@ def unit_fault(
     null = next(iter(_fits([_looked_at(problem, seed)])), None)
     if null is None or (_is_like(null, problem, variance / _MISSED) and null.moved < _FAR):
         return None
-    units = sorted(_fits(_in_units(problem, of, known, seed), _FITTED), key=lambda e: e.cost(1.0))
-    meant, rivals = [*units, *_fits(_beyond(problem, seed), _FITTED)], [null]
+    # What is neither like the data nor nearer than the stated units is never told.
+    bound = max(2.0 * len(problem.y), _LIKE * variance, null.cost(1.0))
+    units = _fits(_in_units(problem, of, known, seed), _FITTED, bound)
+    units.sort(key=lambda end: end.cost(1.0))
+    meant, rivals = [*units, *_fits(_beyond(problem, seed), _FITTED, bound)], [null]
 
     def best_of_all() -> _End | None:
         """The best in other units, if it is like the data and no likely rival comes near."""
@@ -232,14 +235,15 @@ def _left(problem: Problem, values: Array) -> Array:
     return np.where(np.isfinite(left), left, 1e300)
 
 
-def _fits(tries: Iterable[_Try], most: int | None = None) -> list[_End]:
-    """Ends of fits, with the causes of each try, of the best tries that can be fitted."""
+def _fits(tries: Iterable[_Try], most: int | None = None, bound: float = math.inf) -> list[_End]:
+    """Ends of fits of the best tries; one that will not end below chi-square `bound` is cut."""
     ends = []
     for one in sorted(tries, key=lambda one: one.left)[:most]:
         with contextlib.suppress(np.linalg.LinAlgError, ScenarioError):
-            search = minimise(one.problem, Exact(one.problem), one.causes, one.x)
-            fit = finished(one.problem, search)
-            x, constants = np.abs(fit.x), one.problem.constants
+            problem, form, n = one.problem, Exact(one.problem), len(one.problem.y)
+            cost = float(form.misfit(np.full((n, 1), math.sqrt(bound / n)), np.zeros(0))[0])
+            fit = finished(problem, minimise(problem, form, one.causes, one.x, cost_bound=cost))
+            x, constants = np.abs(fit.x), problem.constants
             if one.relaxed is not None:
                 x[one.relaxed] = 0.0
             stated = [k for k, c in enumerate(constants) if c.may_be_off]

@@ -313,16 +313,11 @@ class Problem(OneLine):
         return [None if one is None else np.asarray(np.linalg.cholesky(one)) for one in covariances]
 
     @cached_property
-    def log_dets(self) -> list[float]:
-        """Logarithm of the determinant of the errors' covariance of each table."""
+    def log_det(self) -> float:
+        """Logarithm of the determinant of the errors' covariance of all rows."""
         sizes = (self.sd[part] if lower is None else np.diag(lower)
                  for part, lower in zip(self.rows, self._lower, strict=True))  # fmt: skip
-        return [2.0 * float(np.sum(np.log(size))) for size in sizes]
-
-    @property
-    def log_det(self) -> float:
-        """Logarithm of the determinant for all rows."""
-        return sum(self.log_dets)
+        return sum(2.0 * float(np.sum(np.log(size))) for size in sizes)
 
     def whitened(self, columns: Array) -> Array:
         """Columns, shape (n, k), in which the stated errors are independent and of size 1."""

@@ -25,7 +25,7 @@ from stickslip.diagnosis.fitting.descent import (
     run_batched,
 )
 from stickslip.diagnosis.fitting.draws import FEWEST, drawn
-from stickslip.diagnosis.fitting.forms import Form, Softened, forms
+from stickslip.diagnosis.fitting.forms import Exact, Form, Softened, forms
 from stickslip.diagnosis.fitting.models import (
     Fit,
     covariance_beside,
@@ -182,8 +182,8 @@ def _linear(problem: Problem, form: Form, causes: Sequence[Cause], end: End) -> 
 
 
 def search(
-    models: Models, ends: Sequence[End], causes: Sequence[Cause], say: Progress = lambda fraction,
-    stage: None, seed: int = 0,
+    models: Models, ends: Sequence[End], causes: Sequence[Cause],
+    say: Progress = lambda fraction, stage: None,
 ) -> None:  # fmt: skip
     """Fit the models that the data may come from, with `causes` that have no fit yet.
 
@@ -196,7 +196,7 @@ def search(
         say(0.3 + 0.5 * turn / SEARCH.rounds, "comparing models")
         new = [fit for fit in _worth_a_look(models)
                if fit.log_evidence > done.get(fit.names, -math.inf) + SEARCH.better
-               and not (fit.names in done and (_differs_by_a_factor(models.problem, fit)
+               and not (fit.names in done and (_differs_by_a_factor(problem, fit)
                                                or _leaves_too_little(models, fit)))]  # fmt: skip
         # Where the best model leaves ten errors in each row, few looks beside others explain more.
         reaches = models.reaches
@@ -218,10 +218,9 @@ def search(
     sharper = [sharpened(problem, models.forms[fit.form], fit) for fit in compared]
     for fit in run_batched(problem, sharper):
         models.best[fit.names, fit.form] = fit
-    _draw(models, seed)
 
 
-def _draw(models: Models, seed: int) -> None:
+def draw(models: Models, seed: int) -> None:
     """Correct the evidence of the leading sets of causes by draws, or their fit by a better one.
 
     Where no model comes near the data, or only one is near the best, leads are far larger than what
@@ -310,8 +309,12 @@ def _fit_singles(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -
     # The recalibrated model gets as many searches as its rivals, from where they are.
     singles = [fit for fit in models.leaders(form="exact") if len(fit.causes) == 1][: SEARCH.rivals]
     constants = len(problem.constants)
-    rivals = separated(singles, lambda fit: fit.x[:constants], SEARCH.apart)
-    models.add_fits([Start("exact", (), fit.x) for fit in rivals])
+    rivals = [fit.x for fit in separated(singles, lambda fit: fit.x[:constants], SEARCH.apart)]
+    if short is not problem:  # those that its beginning leads elsewhere
+        walks = [minimise(short, Exact(short), (), x) for x in (models.null.x, *rivals)]
+        walked = (fit.x for fit in run_batched(short, walks))
+        rivals = list(separated(walked, lambda x: x, SEARCH.same))[1:]
+    models.add_fits([Start("exact", (), x) for x in rivals])
     _nest_singles(models, causes)
 
 
@@ -360,8 +363,7 @@ def _leaves_too_little(models: Models, leader: Fit) -> bool:
 
 def _differs_by_a_factor(problem: Problem, leader: Fit) -> bool:
     """Whether a first look, with the stated errors, has seen what one with other ones would."""
-    white = leader.form == "white" and leader.sizes["kappa"] > SEARCH.looked
-    return problem.is_long and white
+    return problem.is_long and leader.form == "white" and leader.sizes["kappa"] > SEARCH.looked
 
 
 def _look_beside(models: Models, leader: Fit) -> None:
