@@ -34,6 +34,5 @@ PYBIND11_MODULE(_core, module, py::mod_gil_not_used()) {
     register_user_effect(module);
     register_simulation(module);
     register_simulator(module);
-    register_statics(module);
-    register_notes(module);
+    register_readings(module);
 }

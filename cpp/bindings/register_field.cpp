@@ -1,5 +1,4 @@
 #include <pybind11/eigen.h>
-#include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
 #include <algorithm>
@@ -13,12 +12,8 @@
 #include "stickslip/field/field_map.hpp"
 #include "stickslip/readings/probe.hpp"
 
-namespace py = pybind11;
-
 namespace stickslip::bindings {
 namespace {
-
-using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 /// Calls visit(index, field_and_gradient) for each point, without the GIL.
 template <class Visit>
@@ -41,6 +36,8 @@ void for_each_point(const CoilSet& coils, const Array& points, const Array& curr
     }
 }
 
+/// Field (T) of all coils, shape (n, 3), at points (m) of shape (n, 3) for currents (A) of shape
+/// (n, 5) or (1, 5). ValueError on the wire of a coil that has current, and outside of its map.
 Array field(const CoilSet& coils, const Array& points, const Array& currents) {
     Array result({points.shape(0), py::ssize_t{3}});
     auto out = result.mutable_unchecked<2>();
@@ -50,6 +47,7 @@ Array field(const CoilSet& coils, const Array& points, const Array& currents) {
     return result;
 }
 
+/// The gradient of the field (T/m) at the same points, [n, i, j] = dB_i / dx_j.
 Array gradient(const CoilSet& coils, const Array& points, const Array& currents) {
     Array result({points.shape(0), py::ssize_t{3}, py::ssize_t{3}});
     auto out = result.mutable_unchecked<3>();
@@ -68,10 +66,7 @@ PerCoil of_each(const CoilSet& coils) {
     return result;
 }
 
-std::vector<double> flat(const Array& values) {
-    return {values.data(), values.data() + values.size()};
-}
-
+/// Field of each coil by itself (T), shape (n, 5, 3); NaN where `field` refuses a point.
 Array shares(const CoilSet& coils, const Array& points, const Array& currents) {
     const std::vector<double> found = coil_shares(coils, flat(points), flat(currents));
     Array result({points.shape(0), py::ssize_t{kCoilCount}, py::ssize_t{3}});
@@ -79,29 +74,8 @@ Array shares(const CoilSet& coils, const Array& points, const Array& currents) {
     return result;
 }
 
-/// Readings, shape (vectors, points, 3).
-Array readings(const Scenario& base, const std::vector<std::string>& keys, const Array& values,
-               const Array& points, const Array& currents) {
-    if (values.ndim() != 2 || values.shape(1) != static_cast<py::ssize_t>(keys.size()) ||
-        points.ndim() != 2 || points.shape(1) != 3) {
-        throw std::invalid_argument("values must be (n, keys) and points (m, 3)");
-    }
-    Array result({values.shape(0), points.shape(0), py::ssize_t{3}});
-    if (result.size() == 0) return result;
-    const std::vector<double> rows = flat(values), places = flat(points), amperes = flat(currents);
-    std::vector<double> found;
-    {
-        const py::gil_scoped_release release;
-        found = probe_readings(base, keys, rows, places, amperes);
-    }
-    // Without keys all vectors are alike.
-    for (py::ssize_t i = 0; i < result.size(); ++i) {
-        result.mutable_data()[i] = found[static_cast<std::size_t>(i) % found.size()];
-    }
-    return result;
-}
-
-/// Shape (points, 3, harmonics).
+/// The field that a coefficient of 1 of each harmonic makes at points (m) of a box (see FieldMap),
+/// shape (points, 3, harmonics).
 Array fields_of_harmonics(const Eigen::Vector3d& low, const Eigen::Vector3d& high,
                           std::size_t degree, const Array& points) {
     if (points.ndim() != 2 || points.shape(1) != 3) {
@@ -127,16 +101,16 @@ double direction_part(double angle) {
 }  // namespace
 
 void register_field(py::module_& module) {
-    py::class_<FieldMap>(module, "FieldMap")
+    py::class_<FieldMap>(module, "FieldMap", doc::FieldMap)
         .def(py::init([](const Eigen::Vector3d& low, const Eigen::Vector3d& high,
                          const PerCoilOf<std::vector<double>>& coefficients) {
                  return FieldMap({low, high}, coefficients);
              }),
              py::arg("low"), py::arg("high"), py::arg("coefficients"));
     module.def("harmonic_fields", &fields_of_harmonics, py::arg("low"), py::arg("high"),
-               py::arg("degree"), py::arg("points"));
+               py::arg("degree"), py::arg("points"), doc::fields_of_harmonics);
     module.attr("most_map_degree") = FieldMap::kMostDegree;
-    py::class_<CoilSet>(module, "CoilSet")
+    py::class_<CoilSet>(module, "CoilSet", doc::CoilSet)
         .def(py::init([](const PerCoil& side, const PerCoil& distance, const PerCoil& turns) {
                  PerCoilOf<CoilGeometry> geometry;
                  for (std::size_t k = 0; k < kCoilCount; ++k) {
@@ -145,36 +119,30 @@ void register_field(py::module_& module) {
                  return CoilSet(geometry);
              }),
              py::arg("side"), py::arg("distance"), py::arg("turns"))
-        .def_property_readonly("side", &of_each<&CoilGeometry::side>)
-        .def_property_readonly("distance", &of_each<&CoilGeometry::distance>)
-        .def_property_readonly("turns", &of_each<&CoilGeometry::turns>)
-        .def_property_readonly("centre_field_per_ampere",
-                               [](const CoilSet& self) {
-                                   PerCoil result;
-                                   for (const Coil coil : kAllCoils) {
-                                       result[static_cast<std::size_t>(coil)] =
-                                           self.centre_field_per_ampere(coil);
-                                   }
-                                   return result;
-                               })
-        .def("field", &field, py::arg("points"), py::arg("currents"))
-        .def("gradient", &gradient, py::arg("points"), py::arg("currents"))
-        .def_property_readonly("box",
-                               [](const CoilSet& self) -> py::object {
-                                   if (self.map() == nullptr) return py::none();
-                                   const auto& [low, high] = self.map()->box();
-                                   return py::make_tuple(low, high);
-                               })
-        .def("shares", &shares, py::arg("points"), py::arg("currents"));
-    module.def("probe_readings", &readings, py::arg("base"), py::arg("keys"), py::arg("values"),
-               py::arg("points"), py::arg("currents"));
+        .def_property_readonly("side", &of_each<&CoilGeometry::side>, doc::CoilGeometry_side)
+        .def_property_readonly("distance", &of_each<&CoilGeometry::distance>,
+                               doc::CoilGeometry_distance)
+        .def_property_readonly("turns", &of_each<&CoilGeometry::turns>, "Number of turns.")
+        .def_property_readonly("centre_field_per_ampere", &CoilSet::centre_fields_per_ampere,
+                               doc::CoilSet_centre_field_per_ampere)
+        .def("field", &field, py::arg("points"), py::arg("currents"), doc::field)
+        .def("gradient", &gradient, py::arg("points"), py::arg("currents"), doc::gradient)
+        .def_property_readonly(
+            "box",
+            [](const CoilSet& self) -> py::object {
+                if (self.map() == nullptr) return py::none();
+                const auto& [low, high] = self.map()->box();
+                return py::make_tuple(low, high);
+            },
+            "Lowest and highest corner of the map (m); None without a map.")
+        .def("shares", &shares, py::arg("points"), py::arg("currents"), doc::shares);
     module.def(
         "surface_directions",
         [](const Array& angles) {
             return py::make_tuple(py::vectorize(&direction_part<&SurfaceDirection::x>)(angles),
                                   py::vectorize(&direction_part<&SurfaceDirection::y>)(angles));
         },
-        py::arg("angles"));
+        py::arg("angles"), doc::SurfaceDirection);
     py::list coil_names;
     for (const Coil coil : kAllCoils) coil_names.append(name(coil));
     module.attr("coil_names") = py::tuple(coil_names);

@@ -1,4 +1,3 @@
-#include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
 #include <algorithm>
@@ -20,14 +19,9 @@
 #include "stickslip/scenario/own_laws.hpp"
 #include "stickslip/scenario/parameters.hpp"
 #include "stickslip/scenario/whole_plane.hpp"
-#include "tables.hpp"
-
-namespace py = pybind11;
 
 namespace stickslip::bindings {
 namespace {
-
-using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 /// A number or a word.
 using Value = std::variant<double, std::int64_t, std::string>;
@@ -49,7 +43,7 @@ Value law_value(const Scenario& scenario, const LawPlace& place) {
     throw std::invalid_argument(name + ": the law has no " + key.name);
 }
 
-/// Throws std::invalid_argument if there is no such key.
+/// The number or word of a key. Throws std::invalid_argument if there is no such key.
 Value value_of(const Scenario& scenario, const std::string& key) {
     if (const Choice* choice = find_choice(key)) {
         std::string word = choice->get(scenario);
@@ -77,7 +71,7 @@ void set_value(Scenario& scenario, const std::string& key, const py::handle& val
     set_parameter(scenario, key, number);
 }
 
-/// The same of a state alone, whose keys are those of a scenario's start.
+/// The number or word of a key of the section `initial`, which may stand before the name.
 Value state_value(const SimulationState& state, const std::string& key) {
     const std::size_t place = place_of(kStateColumns, key.substr(key.find('.') + 1));
     if (place == kStateColumns.size()) throw unknown_key(key);
@@ -242,7 +236,7 @@ py::dict drive_kinds() {
     return kinds;
 }
 
-/// Those of the model, then those of the user.
+/// Name, meaning and source of the named effects: those of the model, then those of the user.
 py::list describe_effects() {
     py::list rows;
     const auto add = [&](const auto& name, const auto& meaning, const auto& source) {
@@ -257,7 +251,6 @@ py::list describe_effects() {
     return rows;
 }
 
-/// Blocks as (times, voltages (n, 5), repeats).
 VoltageProgram program_from(const std::vector<std::tuple<Array, Array, std::int64_t>>& blocks) {
     std::vector<VoltageBlock> result;
     for (const auto& [times, voltages, repeats] : blocks) {
@@ -275,6 +268,7 @@ VoltageProgram program_from(const std::vector<std::tuple<Array, Array, std::int6
     return VoltageProgram(std::move(result));
 }
 
+/// Blocks as (times (s), voltages (V) of shape (n, 5), repeats).
 py::list blocks_of(const VoltageProgram& program) {
     py::list result;
     for (const VoltageBlock& block : program.blocks()) {
@@ -289,7 +283,8 @@ py::list blocks_of(const VoltageProgram& program) {
     return result;
 }
 
-/// Rows of time and acceleration along x and z, or none; gives the means that were taken out.
+/// Takes rows of time (s) and acceleration along x and z (m/s^2), or none; gives the means left
+/// out.
 std::array<double, 2> set_accelerations(Scenario& scenario, const std::optional<Array>& rows) {
     scenario.shake.accelerations = nullptr;
     if (!rows) return {};
@@ -301,7 +296,7 @@ std::array<double, 2> set_accelerations(Scenario& scenario, const std::optional<
     return made->mean();
 }
 
-/// Rows of time and force on the inner mass, or none.
+/// Takes rows of time (s) and force on the inner mass (N), or none.
 void set_forces(Scenario& scenario, const std::optional<Array>& rows) {
     scenario.inner.drive.rows = nullptr;
     if (!rows) return;
@@ -331,82 +326,97 @@ Array free_curve_at(const Scenario& scenario, const std::string& name, const Arr
 }  // namespace
 
 void register_scenario(py::module_& module) {
-    module.def("key_table", &describe_keys);
-    module.def("law_key", &describe_law_key, py::arg("name"));
-    module.def("effects", &describe_effects);
+    module.def("key_table", &describe_keys, doc::describe_keys);
+    module.def("law_key", &describe_law_key, py::arg("name"), doc::describe_law_key);
+    module.def("effects", &describe_effects, doc::describe_effects);
     module.attr("sections") = meanings_of(sections());
     module.attr("drive_kinds") = drive_kinds();
     module.attr("law_keys") = names_of(law_keys());
     module.attr("named_laws") = names_of(with_named_laws(std::vector<EffectDescription>()));
 
-    py::class_<VoltageProgram>(module, "VoltageProgram")
+    py::class_<VoltageProgram>(module, "VoltageProgram", doc::VoltageProgram)
         .def(py::init(&program_from), py::arg("blocks"))
-        .def_property_readonly("blocks", &blocks_of)
-        .def_property_readonly("duration", &VoltageProgram::duration)
-        .def("turned", [](const VoltageProgram& self) { return turned(self); });
+        .def_property_readonly("blocks", &blocks_of, doc::blocks_of)
+        .def_property_readonly("duration", &VoltageProgram::duration, "Of all blocks together, s.")
+        .def(
+            "turned", [](const VoltageProgram& self) { return turned(self); },
+            "The program as a robot turned by 180 degrees about z sees it.");
 
-    py::class_<SimulationState>(module, "State").def("get", &state_value, py::arg("key"));
+    py::class_<SimulationState>(module, "State", doc::SimulationState)
+        .def("get", &state_value, py::arg("key"), doc::state_value);
 
-    py::class_<Scenario>(module, "Scenario")
+    py::class_<Scenario>(module, "Scenario", doc::Scenario)
         .def(py::init<>())
         .def(py::init([](const Scenario& other) {
             Scenario made(other);
             renew_user_effects(made);
             return made;
         }))
-        .def("set", &set_value, py::arg("key"), py::arg("value"))
+        .def("set", &set_value, py::arg("key"), py::arg("value"), doc::set_parameter)
         .def(
             "get", [](const Scenario& self, const std::string& key) { return value_of(self, key); },
-            py::arg("key"))
-        .def("remove_law", &remove_law, py::arg("name"))
-        .def("changed", &changed_values)
-        .def("take", &take_section, py::arg("other"), py::arg("section"))
-        .def("take", [](Scenario& self, const SimulationState& state,
-                        const std::string& /*section*/) { self.initial = state; })
+            py::arg("key"), doc::value_of)
+        .def("remove_law", &remove_law, py::arg("name"), "Removes the law of that name.")
+        .def("changed", &changed_values, doc::changed_values)
+        .def("take", &take_section, py::arg("other"), py::arg("section"), doc::take_section)
+        .def(
+            "take",
+            [](Scenario& self, const SimulationState& state, const std::string& /*section*/) {
+                self.initial = state;
+            },
+            "Sets the section `initial`.")
         .def(
             "set_program",
             [](Scenario& self, const VoltageProgram* program) {
                 self.program = program ? *program : VoltageProgram();
             },
-            py::arg("program"))
+            py::arg("program"), "Sets or removes the voltages of a program.")
         .def(
             "set_map",
             [](Scenario& self, const FieldMap* map) {
                 self.map = map ? std::make_shared<const FieldMap>(*map) : nullptr;
             },
-            py::arg("map"))
-        .def("set_accelerations", &set_accelerations, py::arg("rows"))
-        .def("set_forces", &set_forces, py::arg("rows"))
-        .def("check", &check)
-        .def("coils", [](const Scenario& self) { return world_coil_set(self); })
-        .def("resistances",
-             [](const Scenario& self) {
-                 PerCoil result;
-                 for (std::size_t k = 0; k < kCoilCount; ++k) {
-                     result[k] = self.coils[k].resistance;
-                 }
-                 return result;
-             })
-        .def("program", &world_program)
-        .def("commanded_voltages", &commanded_voltages)
+            py::arg("map"), "Sets or removes the map of the field.")
+        .def("set_accelerations", &set_accelerations, py::arg("rows"), doc::set_accelerations)
+        .def("set_forces", &set_forces, py::arg("rows"), doc::set_forces)
+        .def("check", &check, doc::check)
+        .def("coils", &world_coil_set, doc::world_coil_set)
+        .def(
+            "resistances",
+            [](const Scenario& self) {
+                PerCoil result;
+                for (std::size_t k = 0; k < kCoilCount; ++k) {
+                    result[k] = self.coils[k].resistance;
+                }
+                return result;
+            },
+            "Resistance of each coil, ohm.")
+        .def("program", &world_program, doc::world_program)
+        .def("commanded_voltages", &commanded_voltages, doc::commanded_voltages)
         .def(
             "rocking_rate",
             [](const Scenario& self, double tesla) {
                 return make_model(self, frame_of(self)).rocking_rate(tesla);
             },
-            py::arg("tesla"))
-        .def("free_curve", &free_curve_at, py::arg("name"), py::arg("arguments"))
+            py::arg("tesla"), doc::Model_rocking_rate)
+        .def("free_curve", &free_curve_at, py::arg("name"), py::arg("arguments"),
+             doc::free_curve_at)
         .def_property_readonly(
             "in_plane_coil",
-            [](const Scenario& self) { return name(in_plane_coil(drive_direction(self))); })
-        .def_property_readonly("whole_plane",
-                               [](const Scenario& self) { return frame_of(self).whole_plane; })
-        .def_property_readonly("duration", &duration)
-        .def_property_readonly("pulse_rate", &pulse_rate)
-        .def_property_readonly("window", [](const Scenario& self) {
-            const Window window = measuring_window(self);
-            return py::make_tuple(window.start, window.end);
-        });
+            [](const Scenario& self) { return name(in_plane_coil(drive_direction(self))); },
+            doc::in_plane_coil)
+        .def_property_readonly(
+            "whole_plane", [](const Scenario& self) { return frame_of(self).whole_plane; },
+            doc::RobotFrame_whole_plane)
+        .def_property_readonly("duration", &duration, doc::duration)
+        .def_property_readonly("pulse_rate", &pulse_rate, doc::pulse_rate)
+        .def_property_readonly(
+            "window",
+            [](const Scenario& self) {
+                const Window window = measuring_window(self);
+                return py::make_tuple(window.start, window.end);
+            },
+            doc::Window);
 }
 
 }  // namespace stickslip::bindings

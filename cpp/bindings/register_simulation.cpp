@@ -1,4 +1,3 @@
-#include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
 #include <optional>
@@ -11,9 +10,6 @@
 #include "report_progress.hpp"
 #include "stickslip/batch/batch.hpp"
 #include "stickslip/scenario/scenario.hpp"
-#include "tables.hpp"
-
-namespace py = pybind11;
 
 namespace stickslip::bindings {
 namespace {
@@ -44,6 +40,7 @@ py::array_t<double> as_array(std::vector<PerCoil>&& values) {
     return py::array_t<double>({count, py::ssize_t{kCoilCount}}, data, free);
 }
 
+/// Takes the columns of the record that there are, arrays by name.
 py::dict recording_dict(Recording&& recording) {
     py::dict result;
     recording.for_each_column([&](const RecordColumn& column, auto& values) {
@@ -52,6 +49,7 @@ py::dict recording_dict(Recording&& recording) {
     return result;
 }
 
+/// The summary_numbers by name, counts of events by name, and counts of the integrator's steps.
 py::dict summary_dict(const RunResult& run) {
     const Summary& s = run.summary;
     py::dict result;
@@ -119,21 +117,19 @@ py::array_t<T> column(const std::vector<SweepPoint>& points, Get&& get) {
     return result;
 }
 
-using Values = py::array_t<double, py::array::c_style | py::array::forcecast>;
-
 std::vector<SweepPoint> points_of(const Scenario& base, const std::vector<std::string>& keys,
-                                  const Values& values, int threads, const py::object& progress,
+                                  const Array& values, int threads, const py::object& progress,
                                   bool motion_only) {
-    const std::vector<double> flat(values.data(), values.data() + values.size());
+    const std::vector<double> rows = flat(values);
     RunControl control;
     control.motion_only = motion_only;
     const py::gil_scoped_release release;
-    return sweep(base, keys, flat, threads, control, [&] { report(control, progress); });
+    return sweep(base, keys, rows, threads, control, [&] { report(control, progress); });
 }
 
-/// m/s, of a sweep's points; not a number where a run did not end well.
+/// Mean velocities alone (m/s) of a sweep's points; NaN where a run did not end well.
 py::array_t<double> mean_velocities(const Scenario& base, const std::vector<std::string>& keys,
-                                    const Values& values, int threads) {
+                                    const Array& values, int threads) {
     const auto points = points_of(base, keys, values, threads, py::none(), true);
     return column<double>(points, [](const SweepPoint& p) {
         const bool ended = !p.refused && p.status == Status::ok;
@@ -141,9 +137,11 @@ py::array_t<double> mean_velocities(const Scenario& base, const std::vector<std:
     });
 }
 
-/// Columns by name, and messages by the index of a point that did not end well.
+/// Simulates `base` with each row of values of the keys, where a key that takes words has the index
+/// of the word; the same bits for any number of threads. Columns by name, with the status -1 of a
+/// point that is refused, and messages by the index of a point that did not end well.
 py::tuple sweep_columns(const Scenario& base, const std::vector<std::string>& keys,
-                        const Values& values, int threads, const py::object& progress) {
+                        const Array& values, int threads, const py::object& progress) {
     const auto points = points_of(base, keys, values, threads, progress, false);
     py::dict columns;
     columns["status"] = column<std::int8_t>(
@@ -166,32 +164,41 @@ py::tuple sweep_columns(const Scenario& base, const std::vector<std::string>& ke
 }  // namespace
 
 void register_simulation(py::module_& module) {
-    py::class_<RunResult>(module, "RunResult")
+    py::class_<RunResult>(module, "RunResult", "A run that has ended.")
         .def(py::init<>())
-        .def_property_readonly("status",
-                               [](const RunResult& self) { return row_of(self.status).name; })
-        .def_property_readonly("message", &message)
-        .def_property_readonly("mean_velocity",
-                               [](const RunResult& self) { return self.summary.mean_velocity; })
-        .def_property_readonly("stopped", [](const RunResult& self) { return self.stopped; })
-        .def_property_readonly("final_state",
-                               [](const RunResult& self) { return self.final_state; })
-        .def("summary", &summary_dict)
-        .def("take_recording",
-             [](RunResult& self) { return recording_dict(std::move(self.recording)); });
+        .def_property_readonly(
+            "status", [](const RunResult& self) { return row_of(self.status).name; },
+            "A word of `statuses`, which has its meaning.")
+        .def_property_readonly("message", &message, doc::message)
+        .def_property_readonly(
+            "mean_velocity", [](const RunResult& self) { return self.summary.mean_velocity; },
+            "Along the surface in the measuring window, m/s.")
+        .def_readonly("stopped", &RunResult::stopped, "Whether its condition ended it.")
+        .def_property_readonly(
+            "final_state", [](const RunResult& self) { return self.final_state; },
+            doc::RunResult_final_state)
+        .def("summary", &summary_dict, doc::summary_dict)
+        .def(
+            "take_recording",
+            [](RunResult& self) { return recording_dict(std::move(self.recording)); },
+            doc::recording_dict);
 
-    module.def("kernel", [] {
-        const StepKernels& chosen = step_kernels();
-        return py::make_tuple(name_of(chosen.processor), chosen.size);
-    });
+    module.def(
+        "kernel",
+        [] {
+            const StepKernels& chosen = step_kernels();
+            return py::make_tuple(name_of(chosen.processor), chosen.size);
+        },
+        "Kind of processor that steps are made for, and runs in a pack.");
     module.def("simulate_batch", &batch, py::arg("scenarios"), py::arg("threads") = 1,
-               py::arg("progress") = py::none(), py::arg("until") = py::none());
+               py::arg("progress") = py::none(), py::arg("until") = py::none(),
+               doc::simulate_batch);
     module.def("stream", &stream, py::arg("result"), py::arg("scenario"), py::arg("sink"),
-               py::arg("progress") = py::none(), py::arg("until") = py::none());
+               py::arg("progress") = py::none(), py::arg("until") = py::none(), doc::stream);
     module.def("sweep", &sweep_columns, py::arg("base"), py::arg("keys"), py::arg("values"),
-               py::arg("threads") = 1, py::arg("progress") = py::none());
+               py::arg("threads") = 1, py::arg("progress") = py::none(), doc::sweep_columns);
     module.def("mean_velocities", &mean_velocities, py::arg("base"), py::arg("keys"),
-               py::arg("values"), py::arg("threads") = 1);
+               py::arg("values"), py::arg("threads") = 1, doc::mean_velocities);
     py::dict statuses;
     for (const StatusRow& row : kStatuses) {
         statuses[py::str(row.name)] = py::make_tuple(row.message, row.remedy);

@@ -1,4 +1,3 @@
-#include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
 #include <algorithm>
@@ -17,14 +16,10 @@
 #include "stickslip/batch/simulator.hpp"
 #include "stickslip/numbers/number_text.hpp"
 #include "stickslip/scenario/parameters.hpp"
-#include "tables.hpp"
-
-namespace py = pybind11;
 
 namespace stickslip::bindings {
 namespace {
 
-using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 /// Written in place, so that nothing may be converted.
 using Output = py::array_t<double, py::array::c_style>;
 
@@ -213,7 +208,8 @@ py::array_t<std::int8_t> status_array(const std::vector<Status>& statuses) {
     return result;
 }
 
-/// Plays `runs` runs of one scenario, or of as many; writes into `out` (runs, steps, columns).
+/// Plays `runs` runs of one scenario, or of as many, each with the same number of steps; writes the
+/// chosen columns of state_columns into `out`, shape (runs, steps, columns), and gives statuses.
 py::array_t<std::int8_t> rollout_into(const std::vector<Scenario>& scenarios, std::size_t runs,
                                       const std::optional<Array>& states, const Array& voltages,
                                       double seconds, const py::object& hold,
@@ -261,6 +257,7 @@ struct Steppers {
               return scenarios;
           }()) {}
 
+    /// Plays a step (s) of all runs with voltages (V) of shape (runs, 5); a failed run stays.
     void step(const Array& voltages, double seconds, bool linear, int threads) {
         const double duration = duration_of(seconds);
         if (voltages.ndim() != 2 || static_cast<std::size_t>(voltages.shape(0)) != batch.size() ||
@@ -275,6 +272,7 @@ struct Steppers {
         const py::gil_scoped_release release;
         batch.step(voltages.data(), duration, linear, threads, poll);
     }
+    /// Writes a row of state_columns for each run.
     void states(Output out) const {
         require_states(out, batch.size());
         double* to = out.mutable_data();
@@ -283,6 +281,7 @@ struct Steppers {
             to = std::copy(row.begin(), row.end(), to);
         }
     }
+    /// Index in `statuses` of how the last step of each run ended.
     py::array_t<std::int8_t> statuses() const {
         std::vector<Status> all;
         for (std::size_t run = 0; run < batch.size(); ++run) {
@@ -308,9 +307,7 @@ void register_simulator(py::module_& module) {
     options.disable_function_signatures();
 
     const auto bytes_of = [](const RunSnapshot& self) { return py::bytes(self.to_bytes()); };
-    py::class_<RunSnapshot>(
-        module, "Snapshot",
-        "State, time and voltages of a `Simulator`, which goes on from them with the same bits.")
+    py::class_<RunSnapshot>(module, "Snapshot", doc::RunSnapshot)
         .def("to_bytes", bytes_of, R"(to_bytes()
 
         The snapshot as bytes with a checksum.
@@ -327,7 +324,7 @@ void register_simulator(py::module_& module) {
         .def("__hash__", [bytes_of](const RunSnapshot& self) { return py::hash(bytes_of(self)); })
         .def(py::pickle(bytes_of, &snapshot_of));
 
-    py::class_<Simulator>(module, "Simulator")
+    py::class_<Simulator>(module, "Simulator", doc::Simulator)
         .def(py::init([](const Scenario& scenario, bool whole_plane) {
                  return std::make_unique<Simulator>(placed(scenario, whole_plane));
              }),
@@ -370,8 +367,7 @@ void register_simulator(py::module_& module) {
         .def_property_readonly(
             "state", [](const Simulator& self) { return state_view(self.state()); },
             "The `State` in which the last step ended.")
-        .def_property_readonly("voltages", &voltages_of,
-                               "The voltage of each coil at the end of the last step, V.")
+        .def_property_readonly("voltages", &voltages_of, doc::Simulator_voltages)
         .def_property_readonly(
             "status", [](const Simulator& self) { return row_of(self.status()).name; },
             "``\"ok\"``, or how the last step failed; no step follows a failed one.")
@@ -398,27 +394,35 @@ void register_simulator(py::module_& module) {
         ScenarioError
             If `snapshot` is no Snapshot, or of another scenario, or of another ``whole_plane``.)");
 
-    py::class_<Steppers>(module, "SimulatorBatch")
+    py::class_<Steppers>(module, "SimulatorBatch", doc::SimulatorBatch)
         .def(py::init<const std::vector<Scenario>&, bool>(), py::arg("scenarios"),
              py::arg("whole_plane"))
-        .def("step", &Steppers::step)
-        .def("states", &Steppers::states, py::arg("out").noconvert())
-        .def("statuses", &Steppers::statuses)
-        .def("snapshot",
-             [](const Steppers& self, std::size_t run) {
-                 return self.batch.run(self.checked(run)).snapshot();
-             })
-        .def("restore",
-             [](Steppers& self, std::size_t run, const RunSnapshot& snapshot) {
-                 self.batch.restore(self.checked(run), snapshot);
-             })
-        .def("reset", [](Steppers& self, std::size_t run, const Scenario& scenario) {
-            self.batch.reset(self.checked(run), placed(scenario, self.whole_plane));
-        });
+        .def("step", &Steppers::step, doc::Steppers_step)
+        .def("states", &Steppers::states, py::arg("out").noconvert(), doc::Steppers_states)
+        .def("statuses", &Steppers::statuses, doc::Steppers_statuses)
+        .def(
+            "snapshot",
+            [](const Steppers& self, std::size_t run) {
+                return self.batch.run(self.checked(run)).snapshot();
+            },
+            "The snapshot of one run.")
+        .def(
+            "restore",
+            [](Steppers& self, std::size_t run, const RunSnapshot& snapshot) {
+                self.batch.restore(self.checked(run), snapshot);
+            },
+            "Goes on with one run from a snapshot; see `Simulator.restore`.")
+        .def(
+            "reset",
+            [](Steppers& self, std::size_t run, const Scenario& scenario) {
+                self.batch.reset(self.checked(run), placed(scenario, self.whole_plane));
+            },
+            doc::SimulatorBatch_reset);
 
     module.def("rollout", &rollout_into, py::arg("scenarios"), py::arg("runs"), py::arg("states"),
                py::arg("voltages"), py::arg("duration"), py::arg("hold"), py::arg("columns"),
-               py::arg("out").noconvert(), py::arg("threads"), py::arg("progress"));
+               py::arg("out").noconvert(), py::arg("threads"), py::arg("progress"),
+               doc::rollout_into);
     module.attr("state_columns") = quantities_of(kStateColumns);
 }
 

@@ -11,8 +11,6 @@
 #include "register.hpp"
 #include "stickslip/scenario/user_effects.hpp"
 
-namespace py = pybind11;
-
 namespace stickslip::bindings {
 namespace {
 
@@ -78,6 +76,8 @@ WrenchFunction interpreted(const py::object& function, std::size_t count) {
 
 using ParameterRow = std::tuple<std::string, std::string, double, double, double, std::string>;
 
+/// Makes an effect known to this process, in place of one of the same name. Parameters: name, unit,
+/// low, high, absent value, meaning. function: called itself, or owner of the code at an address.
 void register_effect(const std::string& name, const std::string& meaning, const std::string& source,
                      const std::vector<ParameterRow>& parameters, const py::object& function,
                      std::uintptr_t address) {
@@ -93,19 +93,21 @@ void register_effect(const std::string& name, const std::string& meaning, const 
 }  // namespace
 
 void register_user_effect(py::module_& module) {
-    // address 0: `function` is called itself.
     module.def("register_effect", &register_effect, py::arg("name"), py::arg("meaning"),
                py::arg("source"), py::arg("parameters"), py::arg("function"),
-               py::arg("address") = 0);
+               py::arg("address") = 0, doc::register_effect);
     module.def(
         "unregister_effect", [](const std::string& name) { unregister_user_effect(name); },
-        py::arg("name"));
-    module.def("registered_effects", [] {
-        std::vector<std::string> names;
-        for (const UserEffectHandle& effect : user_effects()) names.push_back(effect->name);
-        return names;
-    });
-    module.def("registrations", &registrations);
+        py::arg("name"), "Forgets an effect. A ScenarioError if there is none of that name.");
+    module.def(
+        "registered_effects",
+        [] {
+            std::vector<std::string> names;
+            for (const UserEffectHandle& effect : user_effects()) names.push_back(effect->name);
+            return names;
+        },
+        doc::user_effects);
+    module.def("registrations", &registrations, doc::registrations);
 }
 
 }  // namespace stickslip::bindings
