@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Expected: an image of float64 is stored as floats, or with an error; the header is there for the place and the units.
 # What happens: the type of the header decides. With the header of a mask of uint8, the usual way to keep its geometry,
-#   a map from -1 to 1 has 256 steps, and NaN is read back as -0.003, a plausible reading; one reading of 1e6 makes all
+#   a map from -1 to 1 has 256 steps, and NaN is read back as -0.004, a plausible reading; one reading of 1e6 makes all
 #   others, 0 to 300, one value. With int16 there are 65536 steps. No warning; `get_fdata` hides it as float64. The
 #   image in memory is right, so that a test before the file is closed passes. Without a header all is kept.
 # Package: nibabel 5.4.2, numpy 2.4.6. Source: found by trying; the page of Nifti1Image does not speak of it.
