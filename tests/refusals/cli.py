@@ -191,6 +191,8 @@ REFUSALS = [
     ("optimise", "--limit voltage_max=26V", "without its unit"),
     ("optimise", "--limit voltage_max=26 --limit voltage_max=20", "there twice"),
     ("optimise", "--limit voltage_max=-1 --free drive.hold=1e-3:2e-3", "a number from 0"),
+    *(("optimise", f"--limit {each}=-0.1 --free drive.hold=1e-3:2e-3", f"limit on {each}")
+      for each in ("airborne_fraction", "pull_ratio", "tilt_max", "turning_speed")),
     ("optimise", "--limit power_mean=0 --free drive.hold=1e-3:2e-3", ["the nearest has", "of 0"]),
     ("optimise", f"{HOPS} --free drive.peak=2.4e-3:2.5e-3", "--allow-flight"),
     ("optimise", "--knots 201 --limit voltage_max=26", "from 2 to 200"),

@@ -32,8 +32,12 @@ Chosen: of random drives of 40 robots, once more without the gradient, 18 of 38 
 half of their velocity, 10 of 44 with 0.4 to 0.6, and 3 of 97 beyond. The first example has 0.29,
 and what slides at constant speed mu_k/mu_s."""
 
-_SIZES = ("T", "A", "V", "W", "s")
-"""Units of figures that are never below 0."""
+_UNITS_OF_SIZES = ("T", "A", "V", "W", "s")
+_SIZES = {
+    *(name for name, column in FIGURES.items() if column.unit in _UNITS_OF_SIZES),
+    "airborne_fraction", "pull_ratio", "tilt_max", "turning_speed",
+}  # fmt: skip
+"""Figures that are never below 0."""
 
 
 @dataclass(frozen=True)
@@ -156,7 +160,7 @@ def made_goal(
     for name, limit in (*limits.items(), *at_least.items()):
         if not is_number(limit) or not math.isfinite(limit):
             refuse(f"limit on {name}", limit, "a finite number")
-        if limits.get(name, 0.0) < 0.0 and FIGURES[name].unit in _SIZES:
+        if limits.get(name, 0.0) < 0.0 and name in _SIZES:
             refuse(f"limit on {name}", limits[name], "a number from 0, as it is never below")
     for name in at_least.keys() & limits.keys():
         if at_least[name] > limits[name]:
