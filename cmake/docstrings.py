@@ -15,14 +15,8 @@ from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 
-PYTHON = {
-    r"Throws(\s)std::invalid_argument": r"Raises\1ScenarioError",
-    r"Throws(\s)std::domain_error": r"Raises\1ValueError",
-    r"\bnullptr\b": "None",
-}
-"""Words of a comment, and what they are to a user of Python."""
 TABLE = re.compile(r"\bk((?:[A-Z][a-z]+)+)\b")  # kStateColumns is bound as state_columns
-CPP = re.compile(rf"\w+::\w+|->|\bconst\b|{TABLE.pattern}")
+CPP = re.compile(rf"\w+::\w+|->|\bconst\b|{TABLE.pattern}|\)doc\"")
 
 
 def name_of(code: str) -> str:
@@ -49,7 +43,7 @@ def comments(text: str) -> Iterator[tuple[str, str]]:
         code = re.sub(r"^template <.*?> (?=\w)", "", f"{code} {bare}".lstrip())
         if re.search(r"[;{(]", code):
             if behind.startswith("/<"):
-                said = behind[2:].lstrip()
+                said = behind[2:].strip().rstrip(".")
                 comment = [f"{said[:1].upper()}{said[1:]}."]
             if comment and (name := name_of(code)):
                 yield "_".join([*(each for _, each in classes), name]), "\n".join(comment)
@@ -65,8 +59,7 @@ def comments(text: str) -> Iterator[tuple[str, str]]:
 
 def in_python(text: str, bindings: str) -> str:
     """A comment as a user of Python reads it."""
-    for word, other in PYTHON.items():
-        text = re.sub(word, other, text)
+    text = re.sub(r"Throws(\s)std::invalid_argument", r"Raises\1ScenarioError", text)
 
     def bound(found: re.Match[str]) -> str:
         name = re.sub(r"(?<=.)(?=[A-Z])", "_", found[1]).lower()
@@ -76,13 +69,6 @@ def in_python(text: str, bindings: str) -> str:
     if found := CPP.search(text):
         raise ValueError(f"{found[0]} means nothing in Python")
     return text
-
-
-def write(path: Path, text: str) -> None:
-    """Write a file, but leave one that stays the same, with what is made of it."""
-    if not path.exists() or path.read_text(encoding="utf-8") != text:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
 
 
 def main(to: Path, headers: Path, *bindings: Path) -> None:
@@ -98,16 +84,21 @@ def main(to: Path, headers: Path, *bindings: Path) -> None:
                 try:
                     if len(known[name]) != 1:
                         raise ValueError(f"{len(known[name])} comments have this name")
-                    texts[name] = in_python(min(known[name]), together)
+                    (comment,) = known[name]
+                    texts[name] = in_python(comment, together)
                 except ValueError as error:
                     sys.exit(f"{path}:{number}: doc::{name}: {error}")
     head = "namespace stickslip::bindings::doc {\n"
     names = "".join(f"extern const char* const {name};\n" for name in sorted(texts))
-    write(to / "docstrings.hpp", f"#pragma once\n\n{head}{names}}}\n")
+    header, declared = to / "docstrings.hpp", f"#pragma once\n\n{head}{names}}}\n"
+    to.mkdir(parents=True, exist_ok=True)
+    if not header.exists() or header.read_text(encoding="utf-8") != declared:
+        header.write_text(declared, encoding="utf-8")
     rows = "".join(
         f'const char* const {name} = R"doc({texts[name]})doc";\n' for name in sorted(texts)
     )
-    write(to / "docstrings.cpp", f'#include "docstrings.hpp"\n\n{head}{rows}}}\n')
+    texts_too = f'#include "docstrings.hpp"\n\n{head}{rows}}}\n'
+    (to / "docstrings.cpp").write_text(texts_too, encoding="utf-8")
 
 
 if __name__ == "__main__":

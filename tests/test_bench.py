@@ -24,7 +24,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 def test_every_file_belongs_to_one_wing():
     wings = [path for pattern, _ in lines.WINGS.values() for path in lines.files(pattern)]
-    every = lines.files(r"(python|cpp/(?!web/)|tests|bench)/?.*\.(py|h|[hc]pp)")
+    every = lines.files(r"(python|cpp/(?!web/)|cmake|tests|bench)/?.*\.(py|h|[hc]pp)")
     assert sorted(wings) == sorted(every)
 
 

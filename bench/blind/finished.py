@@ -1,4 +1,4 @@
-"""Tables of studies that are finished, from their rows: the programs are those of earlier commits.
+"""Tables of finished studies, from their rows. Their programs are in earlier commits:
 
 `intervals.py` of b7b828df: sizes of a cause beside an error of the model that nobody lists.
 `changes.py` of 50a47554: pairs of logs, or of measurements of a walker, with one difference.
@@ -15,7 +15,7 @@ import numpy as np
 import scores
 from scores import CLAIMS, Answer, interval, markdown, share
 
-Row = dict[str, Any]
+from blind.study import Row
 
 
 def _by(rows: list[Row], key: str) -> dict[Any, list[Row]]:

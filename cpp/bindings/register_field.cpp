@@ -37,7 +37,8 @@ void for_each_point(const CoilSet& coils, const Array& points, const Array& curr
 }
 
 /// Field (T) of all coils, shape (n, 3), at points (m) of shape (n, 3) for currents (A) of shape
-/// (n, 5) or (1, 5). ValueError on the wire of a coil that has current, and outside of its map.
+/// (n, 5) or (1, 5). ValueError on the wire of a coil that has current, or outside of the set's
+/// map; ScenarioError for other shapes.
 Array field(const CoilSet& coils, const Array& points, const Array& currents) {
     Array result({points.shape(0), py::ssize_t{3}});
     auto out = result.mutable_unchecked<2>();
@@ -74,8 +75,9 @@ Array shares(const CoilSet& coils, const Array& points, const Array& currents) {
     return result;
 }
 
-/// The field that a coefficient of 1 of each harmonic makes at points (m) of a box (see FieldMap),
-/// shape (points, 3, harmonics).
+/// What multiplies each coefficient (T/A) in the field per ampere, at points (m) of shape (n, 3),
+/// for the box from `low` to `high` (m): shape (n, 3, harmonics), in the order C_10, C_11, S_11,
+/// C_20, ... (see FieldMap).
 Array fields_of_harmonics(const Eigen::Vector3d& low, const Eigen::Vector3d& high,
                           std::size_t degree, const Array& points) {
     if (points.ndim() != 2 || points.shape(1) != 3) {
@@ -106,7 +108,10 @@ void register_field(py::module_& module) {
                          const PerCoilOf<std::vector<double>>& coefficients) {
                  return FieldMap({low, high}, coefficients);
              }),
-             py::arg("low"), py::arg("high"), py::arg("coefficients"));
+             py::arg("low"), py::arg("high"), py::arg("coefficients"),
+             "low, high: corners of the box (m). coefficients: T/A, of each coil, by harmonic "
+             "(C_10, "
+             "C_11, S_11, ...), of degree 1 to `most_map_degree`. ScenarioError for others.");
     module.def("harmonic_fields", &fields_of_harmonics, py::arg("low"), py::arg("high"),
                py::arg("degree"), py::arg("points"), doc::fields_of_harmonics);
     module.attr("most_map_degree") = FieldMap::kMostDegree;
@@ -118,7 +123,8 @@ void register_field(py::module_& module) {
                  }
                  return CoilSet(geometry);
              }),
-             py::arg("side"), py::arg("distance"), py::arg("turns"))
+             py::arg("side"), py::arg("distance"), py::arg("turns"),
+             "Side and distance (m), and turns, of xp, xm, yp, ym, clamp.")
         .def_property_readonly("side", &of_each<&CoilGeometry::side>, doc::CoilGeometry_side)
         .def_property_readonly("distance", &of_each<&CoilGeometry::distance>,
                                doc::CoilGeometry_distance)
@@ -142,7 +148,9 @@ void register_field(py::module_& module) {
             return py::make_tuple(py::vectorize(&direction_part<&SurfaceDirection::x>)(angles),
                                   py::vectorize(&direction_part<&SurfaceDirection::y>)(angles));
         },
-        py::arg("angles"), doc::SurfaceDirection);
+        py::arg("angles"),
+        "x and y of unit vectors in the surface at angles (rad) from +x, arrays of the shape of "
+        "`angles`; exact at multiples of a quarter turn.");
     py::list coil_names;
     for (const Coil coil : kAllCoils) coil_names.append(name(coil));
     module.attr("coil_names") = py::tuple(coil_names);

@@ -83,14 +83,14 @@ py::list rows() {
     return result;
 }
 
-/// Readings for each row of values of the keys at each row of `places`, scalars or vectors: those
-/// of read(values, places), which is called without the GIL.
+/// Readings for each row of values of the keys at each row of `places`, called `what`, scalars or
+/// vectors: those of read(values, places), which is called without the GIL.
 template <class Read>
 Array readings_of(const std::vector<std::string>& keys, const Array& values, const Array& places,
-                  py::ssize_t width, bool vectors, const Read& read) {
+                  const std::string& what, py::ssize_t width, bool vectors, const Read& read) {
     if (values.ndim() != 2 || values.shape(1) != static_cast<py::ssize_t>(keys.size()) ||
         places.ndim() != 2 || places.shape(1) != width) {
-        throw std::invalid_argument("values must be (n, keys), points or fields (m, " +
+        throw std::invalid_argument("values must be (n, keys) and " + what + " (m, " +
                                     std::to_string(width) + ")");
     }
     std::vector<py::ssize_t> shape = {values.shape(0), places.shape(0)};
@@ -114,7 +114,7 @@ Array readings_of(const std::vector<std::string>& keys, const Array& values, con
 /// the effects between current and field; NaN in a row that makes no scenario.
 Array probe(const Scenario& base, const std::vector<std::string>& keys, const Array& values,
             const Array& points, const Array& currents) {
-    return readings_of(keys, values, points, 3, true,
+    return readings_of(keys, values, points, "points", 3, true,
                        [&, amperes = flat(currents)](const auto& rows, const auto& at) {
                            return probe_readings(base, keys, rows, at, amperes);
                        });
@@ -124,9 +124,9 @@ Array probe(const Scenario& base, const std::vector<std::string>& keys, const Ar
 /// keys, shape (rows, fields); NaN where nothing holds it, and in a row that makes no scenario.
 Array tilts(const Scenario& base, const std::vector<std::string>& keys, const Array& values,
             const Array& fields) {
-    return readings_of(keys, values, fields, 2, false, [&](const auto& rows, const auto& at) {
-        return static_tilts(base, keys, rows, at);
-    });
+    return readings_of(
+        keys, values, fields, "fields", 2, false,
+        [&](const auto& rows, const auto& at) { return static_tilts(base, keys, rows, at); });
 }
 
 }  // namespace

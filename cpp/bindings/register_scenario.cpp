@@ -162,7 +162,8 @@ std::string quoted_words(const std::vector<std::string>& words) {
     return text;
 }
 
-/// Every key of a scenario, section by section in the order of a file.
+/// Every key of a scenario, section by section in the order of a file: dictionaries with name,
+/// kind, meaning, default, allowed, and unit, low, high or words.
 py::list describe_keys() {
     const Scenario defaults;
     std::vector<py::dict> rows;
@@ -203,7 +204,7 @@ py::list describe_keys() {
     return py::cast(rows);
 }
 
-/// A key that laws of one's own can have; None for another.
+/// A key that laws of one's own can have, as in `key_table`; None for another.
 py::object describe_law_key(const std::string& name) {
     const std::optional<LawPlace> place = find_law_key(name);
     if (!place) return py::none();
@@ -335,7 +336,7 @@ void register_scenario(py::module_& module) {
     module.attr("named_laws") = names_of(with_named_laws(std::vector<EffectDescription>()));
 
     py::class_<VoltageProgram>(module, "VoltageProgram", doc::VoltageProgram)
-        .def(py::init(&program_from), py::arg("blocks"))
+        .def(py::init(&program_from), py::arg("blocks"), "From blocks like those of `blocks`.")
         .def_property_readonly("blocks", &blocks_of, doc::blocks_of)
         .def_property_readonly("duration", &VoltageProgram::duration, "Of all blocks together, s.")
         .def(
@@ -370,13 +371,13 @@ void register_scenario(py::module_& module) {
             [](Scenario& self, const VoltageProgram* program) {
                 self.program = program ? *program : VoltageProgram();
             },
-            py::arg("program"), "Sets or removes the voltages of a program.")
+            py::arg("program"), "Sets the voltages of a program; None removes them.")
         .def(
             "set_map",
             [](Scenario& self, const FieldMap* map) {
                 self.map = map ? std::make_shared<const FieldMap>(*map) : nullptr;
             },
-            py::arg("map"), "Sets or removes the map of the field.")
+            py::arg("map"), "Sets the map of the field; None removes it.")
         .def("set_accelerations", &set_accelerations, py::arg("rows"), doc::set_accelerations)
         .def("set_forces", &set_forces, py::arg("rows"), doc::set_forces)
         .def("check", &check, doc::check)
@@ -404,7 +405,7 @@ void register_scenario(py::module_& module) {
         .def_property_readonly(
             "in_plane_coil",
             [](const Scenario& self) { return name(in_plane_coil(drive_direction(self))); },
-            doc::in_plane_coil)
+            "Name of the coil that the drive pulls with in the plane.")
         .def_property_readonly(
             "whole_plane", [](const Scenario& self) { return frame_of(self).whole_plane; },
             doc::RobotFrame_whole_plane)

@@ -208,8 +208,10 @@ py::array_t<std::int8_t> status_array(const std::vector<Status>& statuses) {
     return result;
 }
 
-/// Plays `runs` runs of one scenario, or of as many, each with the same number of steps; writes the
-/// chosen columns of state_columns into `out`, shape (runs, steps, columns), and gives statuses.
+/// Plays `runs` runs of one scenario, or of as many, each with the same number of steps, from
+/// states (runs, columns) or None, by voltages (V) of shape (steps, 5) or (runs, steps, 5). Writes
+/// the chosen columns of state_columns into `out`, shape (runs, steps, columns), and returns the
+/// index in `statuses` of each run.
 py::array_t<std::int8_t> rollout_into(const std::vector<Scenario>& scenarios, std::size_t runs,
                                       const std::optional<Array>& states, const Array& voltages,
                                       double seconds, const py::object& hold,
@@ -272,7 +274,7 @@ struct Steppers {
         const py::gil_scoped_release release;
         batch.step(voltages.data(), duration, linear, threads, poll);
     }
-    /// Writes a row of state_columns for each run.
+    /// Writes a row of state_columns for each run into `out`, shape (runs, columns).
     void states(Output out) const {
         require_states(out, batch.size());
         double* to = out.mutable_data();
@@ -307,7 +309,9 @@ void register_simulator(py::module_& module) {
     options.disable_function_signatures();
 
     const auto bytes_of = [](const RunSnapshot& self) { return py::bytes(self.to_bytes()); };
-    py::class_<RunSnapshot>(module, "Snapshot", doc::RunSnapshot)
+    py::class_<RunSnapshot>(module, "Snapshot",
+                            "State, time and voltages of a `Simulator`, which goes on from them "
+                            "with the same bits.")
         .def("to_bytes", bytes_of, R"(to_bytes()
 
         The snapshot as bytes with a checksum.
@@ -367,7 +371,9 @@ void register_simulator(py::module_& module) {
         .def_property_readonly(
             "state", [](const Simulator& self) { return state_view(self.state()); },
             "The `State` in which the last step ended.")
-        .def_property_readonly("voltages", &voltages_of, doc::Simulator_voltages)
+        .def_property_readonly("voltages", &voltages_of,
+                               "Voltage of each coil by name at the end of the last step, V; a "
+                               "coil is of the world's frame.")
         .def_property_readonly(
             "status", [](const Simulator& self) { return row_of(self.status()).name; },
             "``\"ok\"``, or how the last step failed; no step follows a failed one.")
@@ -394,10 +400,12 @@ void register_simulator(py::module_& module) {
         ScenarioError
             If `snapshot` is no Snapshot, or of another scenario, or of another ``whole_plane``.)");
 
+    options.enable_function_signatures();  // these have none in their text
     py::class_<Steppers>(module, "SimulatorBatch", doc::SimulatorBatch)
         .def(py::init<const std::vector<Scenario>&, bool>(), py::arg("scenarios"),
              py::arg("whole_plane"))
-        .def("step", &Steppers::step, doc::Steppers_step)
+        .def("step", &Steppers::step, py::arg("voltages"), py::arg("duration"), py::arg("linear"),
+             py::arg("threads"), doc::Steppers_step)
         .def("states", &Steppers::states, py::arg("out").noconvert(), doc::Steppers_states)
         .def("statuses", &Steppers::statuses, doc::Steppers_statuses)
         .def(
@@ -405,19 +413,20 @@ void register_simulator(py::module_& module) {
             [](const Steppers& self, std::size_t run) {
                 return self.batch.run(self.checked(run)).snapshot();
             },
-            "The snapshot of one run.")
+            py::arg("run"), "The snapshot of one run.")
         .def(
             "restore",
             [](Steppers& self, std::size_t run, const RunSnapshot& snapshot) {
                 self.batch.restore(self.checked(run), snapshot);
             },
+            py::arg("run"), py::arg("snapshot"),
             "Goes on with one run from a snapshot; see `Simulator.restore`.")
         .def(
             "reset",
             [](Steppers& self, std::size_t run, const Scenario& scenario) {
                 self.batch.reset(self.checked(run), placed(scenario, self.whole_plane));
             },
-            doc::SimulatorBatch_reset);
+            py::arg("run"), py::arg("scenario"), "Begins run `run` anew with a scenario.");
 
     module.def("rollout", &rollout_into, py::arg("scenarios"), py::arg("runs"), py::arg("states"),
                py::arg("voltages"), py::arg("duration"), py::arg("hold"), py::arg("columns"),

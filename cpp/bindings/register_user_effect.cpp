@@ -98,7 +98,7 @@ void register_user_effect(py::module_& module) {
                py::arg("address") = 0, doc::register_effect);
     module.def(
         "unregister_effect", [](const std::string& name) { unregister_user_effect(name); },
-        py::arg("name"), "Forgets an effect. A ScenarioError if there is none of that name.");
+        py::arg("name"), "Forgets an effect. Raises ScenarioError if there is none of that name.");
     module.def(
         "registered_effects",
         [] {
@@ -106,7 +106,7 @@ void register_user_effect(py::module_& module) {
             for (const UserEffectHandle& effect : user_effects()) names.push_back(effect->name);
             return names;
         },
-        doc::user_effects);
+        "Names of all registered effects, in the order of registration.");
     module.def("registrations", &registrations, doc::registrations);
 }
 
