@@ -428,7 +428,7 @@ def without_effect(problem: Problem) -> list[Note]:
     others = np.tile(usual, (problem.size, 1))
     np.fill_diagonal(others, np.where(falls, strong, 0.0))
     dead = np.ones(problem.size, dtype=bool)
-    for each in dict.fromkeys((problem.short, problem)):  # what acts at first, acts
+    for each in dict.fromkeys((problem.short, problem)):  # a change of the beginning is one of all
         for base, changed in ((np.zeros_like(usual), stated), (usual, others)):
             if dead.any():
                 dead &= _unchanged(each, base[None], changed)

@@ -242,6 +242,7 @@ def _fits(tries: Iterable[_Try], most: int | None = None, bound: float = math.in
         with contextlib.suppress(np.linalg.LinAlgError, ScenarioError):
             problem, form, n = one.problem, Exact(one.problem), len(one.problem.y)
             cost = float(form.misfit(np.full((n, 1), math.sqrt(bound / n)), np.zeros(0))[0])
+            cost += _FAR**2 * sum(c.may_be_off for c in problem.constants)  # so far they may move
             fit = finished(problem, minimise(problem, form, one.causes, one.x, cost_bound=cost))
             x, constants = np.abs(fit.x), problem.constants
             if one.relaxed is not None:

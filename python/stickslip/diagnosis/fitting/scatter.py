@@ -61,7 +61,7 @@ def with_scatter(problem: Problem, seed: int) -> Problem:
     starts = [*(end.x for end in ends[: _FOLLOWED - 1]), null.x]
     # A long record's beginning tells whether it follows a curve; a step on all, what is left.
     begin, is_long, last = None, short is not problem, _STEPS if short is problem else 1
-    # Walks that will not fall below what decides end.
+    # A walk ends that will not fall to the scatter that decides.
     enough = math.inf if unknown else form.cost(_CLEARLY * _LESS * short.sd[None], h)[0]
     for steps in (_LOOK, _STEPS) if is_long else ():
         walks = [refine(short, form, h, problem.causes, x, steps=steps, cost_bound=enough)

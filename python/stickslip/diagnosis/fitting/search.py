@@ -162,7 +162,6 @@ class Models:
         rivals = self.leaders(1, start.form)
         if start.causes and rivals:
             prior = self.log_prior(start.causes, start.form)
-            prior += self.corrections.get(frozenset(cause.name for cause in start.causes), 0.0)
             least = self.log_posterior(rivals[0]) - prior - SEARCH.behind
             if start.form == "exact":
                 cost_bound = min(cost_bound, self.cost_bound)
@@ -232,8 +231,7 @@ def draw(models: Models, seed: int) -> None:
         sets.setdefault(fit.names, fit)
     if not models.reaches or len(sets) == 1:
         return
-    new = [pair for pair in sets.items() if pair[0] not in models.corrections]
-    for names, fit in new[: SEARCH.drawn]:
+    for names, fit in [*sets.items()][: SEARCH.drawn]:
         form = models.forms[fit.form]
         draws = drawn(problem, form, fit, seed)
         if draws is None:
@@ -310,7 +308,7 @@ def _fit_singles(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -
     singles = [fit for fit in models.leaders(form="exact") if len(fit.causes) == 1][: SEARCH.rivals]
     constants = len(problem.constants)
     rivals = [fit.x for fit in separated(singles, lambda fit: fit.x[:constants], SEARCH.apart)]
-    if short is not problem:  # those that its beginning leads elsewhere
+    if short is not problem:  # those that a fit of the beginning leaves apart from the null
         walks = [minimise(short, Exact(short), (), x) for x in (models.null.x, *rivals)]
         walked = (fit.x for fit in run_batched(short, walks))
         rivals = list(separated(walked, lambda x: x, SEARCH.same))[1:]
