@@ -477,3 +477,14 @@ def test_a_search_of_a_long_record_begins_with_its_first_readings(monkeypatch):
         assert evidence[0] == pytest.approx(evidence[1], abs=0.1)
     tests = [(one.findings.test.score, one.findings.test.lack_of_fit) for one in (found, whole)]
     assert tests[0] == pytest.approx(tests[1], abs=0.02)
+
+
+@pytest.mark.parametrize("step", [0.02, 0.5, 1.5])
+def test_a_reading_about_a_curve_is_no_finer_than_the_step_of_its_meter(step):
+    # In another unit, so that equal readings differ by rounding; plateaus of up to 40 readings.
+    t, random = 0.02 * np.arange(400), np.random.default_rng(3)
+    y = 4.0 * np.sin(t) + 0.05 * random.standard_normal(400)
+    read = np.round(y / step) * step * np.pi / 30.0
+    sd = Series(t, read).errors.of_reading(np.zeros(1))[0] / (np.pi / 30.0)
+    assert np.hypot(0.05, step) / 4.0 < sd < np.hypot(0.05, step / np.sqrt(12.0)) * 1.2
+    assert sd > 0.999 * step / np.sqrt(12.0)

@@ -26,7 +26,7 @@ from stickslip._util.arrays import (
 from stickslip._util.messages import known_arguments, refuse, shown
 from stickslip._util.note import Note
 from stickslip._util.units import quantity_of, with_unit
-from stickslip.diagnosis.data.errors import FEWEST, Errors, freedom, of_one_meter
+from stickslip.diagnosis.data.errors import FEWEST, Errors, freedom, meter_step, of_one_meter
 from stickslip.diagnosis.data.outliers import (
     FEW,
     alike_and_lost,
@@ -373,9 +373,10 @@ def _about_a_curve(t: Array, y: Array, unit: str) -> Errors:
 
     Differences of an order take a polynomial away. Where those of two orders leave the same, it is
     noise; where the higher order leaves less, they still see the curve. Medians, as a curve may
-    have a few jumps.
+    have a few jumps. A meter's step leaves its rounding, also where readings look exact.
     """
-    scatter = [_left_by_differences(t, y, order) for order in _ORDERS]
+    least = meter_step(y) / math.sqrt(12.0)
+    scatter = [max(_left_by_differences(t, y, order), least) for order in _ORDERS]
     size = float(np.std(y))
     smooth = len(y) >= 4 * max(_ORDERS) and 0.0 < scatter[0] < _FLAT * scatter[1]
     if not smooth or scatter[1] >= _SMALL * size:
