@@ -507,3 +507,18 @@ def test_each_cause_of_the_library_has_its_drawing():
     assert drawing("no such thing") == ""
     for name, each in vocabulary().causes.items():
         assert drawing(each["drawing"]), name
+
+
+def test_what_is_in_the_set_is_not_said_to_be_unseen(results):
+    numbers = numbers_of(results["ambiguous"])
+    within, other = numbers["claimed"][0]["title"], "a draught"
+    bound = {"relative": 2.0, "falls": False, "seen": True, "text": "0.2 m"}
+    numbers["bounds"] = {name: {**bound, "cause": name, "title": name} for name in (within, other)}
+    one = {"cause": "bump", "constants": ["slope"], "titles": ["slope"]}
+    numbers["cannot_tell"]["hidden"] = [{**one, "title": within}]
+    text = summary_text(numbers, results["ambiguous"].problem.words)
+    assert f"Could be there unseen: {other} up to 0.2 m." in text
+    assert "would not be seen" not in text
+    numbers["claimed"] = []
+    text = summary_text(numbers, results["ambiguous"].problem.words)
+    assert "would not be seen: slope" in text

@@ -64,8 +64,9 @@ _SAID_FIRST = 3
     "--set",
     stated,
     "NAME=VALUE, NAME=VALUE,ERROR or NAME=LOW:HIGH, such as inertia=0.1,0.002",
-    "What is known of a ready-made model, in SI units, temperatures as in the log: a value, a "
-    "value and its standard deviation, or the ends of a range, log-uniform if above zero; also "
+    "What is known of a ready-made model, in SI units, temperatures in K if those of the log are, "
+    "else in degC: a value, a value and its standard deviation, or the ends of a range, "
+    "log-uniform if above zero; also "
     "reads=NAME, smooth=yes and without=NAME,NAME",
     metavar="NAME=VALUE",
 )
@@ -164,9 +165,9 @@ def command(
     # Before what takes minutes: a cell with a slip of the pen may be worth mending first.
     left_out = [row for each in sides for row in each.left_out]
     for row in left_out[:_SAID_FIRST]:
-        say(f"stickslip: left out: {row}", err=True)
+        say(f"stickslip: {row}", err=True)
     if len(left_out) > _SAID_FIRST:
-        say("stickslip: left out: more, which the report lists", err=True)
+        say("stickslip: and more, which the report lists", err=True)
     if out is None and (most is not None or not as_json):
         out = Path("diagnosis")
     rounds = None

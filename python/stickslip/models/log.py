@@ -444,8 +444,8 @@ def _check_clock(table: SourceTable, t: Array) -> None:
     for k in np.flatnonzero(~(steps > 0.0) | (steps > JUMP * abs(usual)))[:1].tolist():
         at = f"{table.path}: {table.word} {table.lines[k + 1]}, column t = {t[k + 1]:.12g} s"
         if not steps[k] > 0.0:
-            remedy = "write more digits" if steps[k] == 0.0 else "sort the rows"
-            raise ScenarioError(f"{at}: allowed is a time after {t[k]:.12g} s: {remedy}, or {_CUT}")
+            remedy = "write more digits" if steps[k] == 0.0 else f"sort the rows, or {_CUT}"
+            raise ScenarioError(f"{at}: allowed is a time after {t[k]:.12g} s: {remedy}")
         raise ScenarioError(
             f"{at}: the clock jumps by {steps[k]:.6g} s, and allowed are {JUMP:g} of its steps of "
             f"{usual:.3g} s: {_CUT}"
