@@ -522,3 +522,14 @@ def test_what_is_in_the_set_is_not_said_to_be_unseen(results):
     numbers["claimed"] = []
     text = summary_text(numbers, results["ambiguous"].problem.words)
     assert "would not be seen: slope" in text
+
+
+def test_what_is_left_is_said_of_the_model_that_leaves_it(results):
+    result = results["unexplained"]
+    numbers = {**numbers_of(result), "origin": []}
+    numbers["leader"] |= {"left": ["an error of 3 m"], "share": 0.5}
+    shown = page(numbers, figures_of(result), result.problem.words)
+    assert f"Left beside {numbers['leader']['title']}: an error of 3 m." in shown
+    numbers["leader"]["causes"] = []
+    shown = page(numbers, figures_of(result), result.problem.words)
+    assert "Left by the recalibrated model: an error of 3 m." in shown
