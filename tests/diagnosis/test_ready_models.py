@@ -804,3 +804,11 @@ def test_a_low_pass_comes_at_no_time_late_and_leaves_half_of_the_power_at_its_cu
     assert slow == pytest.approx(np.cos(t[500:3500]), abs=1e-5)
     faster = models.low_pass(t, np.sin(t), 10.0, derivatives=2)[500:3500]
     assert faster == pytest.approx(-np.sin(t[500:3500]), abs=1e-4)
+
+
+def test_a_servo_that_follows_a_goal_needs_its_gain():
+    known = {name: value for name, value in LEAST["servo"].items() if name != "gain"}
+    record = Series(T, 0.9 * np.sin(T), {"goal": np.sin(T)}, sd=1e-3, unit="rad")
+    with pytest.raises(ScenarioError, match="gain is not stated: allowed is a value or a range"):
+        models.servo(**known).terms(record)
+    assert models.servo(**known, gain=Prior("log-normal", 3.0, 1.5)).terms(record)

@@ -15,6 +15,7 @@ from stickslip._util.arrays import Array
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.terms import instruments
 from stickslip.diagnosis.terms.instruments import delay, lag, offset
+from stickslip.errors import ScenarioError
 from stickslip.models.model import Kind, Known, Model, Sensor, Term, made, slow_in_words
 from stickslip.models.physics import (
     axis_states,
@@ -44,7 +45,11 @@ def _duty(record: Series, constants: Mapping[str, float]) -> Array:
     """The duty of a servo as its log tells it."""
     if "duty" in record.inputs or "goal" not in record.inputs:
         return record.inputs.get("duty", np.zeros(0))
-    return constants.get("gain", 0.0) * (record.inputs["goal"] - record.y)
+    gain = constants.get("gain", 0.0)
+    if gain == 0.0:
+        text = "allowed is a value or a range, 1/rad, with which it follows its goal; or a duty"
+        raise ScenarioError(f"gain is not stated: {text}")
+    return gain * (record.inputs["goal"] - record.y)
 
 
 def _transmission(force: str, of: str, compliance: str) -> tuple[Term, ...]:
