@@ -95,23 +95,24 @@ def descend(
 
     Without `cheap`, softened forms use the model of low fidelity, and others do not. `begin` is an
     end at `x` of the same model, whose residual and slopes are taken over; `slopes` are some that
-    were found near by. A descent ends where its last steps, each half as good as the last one or as
-    the next one promises, would not bring it below `cost_bound`.
+    were found near by, zeros where none were taken. A descent ends where its last steps, each half
+    as good as the last one or as the next one promises, would not bring it below `cost_bound`.
     """
     free = problem.free(causes)
     cheap = form.factor > 1.0 if cheap is None else cheap
     precision = precision_of(problem, causes) if precision is None else precision
     low, high = problem.limits[:, free]
-    x = x.copy()
-    absent = np.ones(problem.size, dtype=bool)
-    absent[free] = False
-    x[absent] = 0.0
-    x[free] = np.clip(x[free], low, high)
+    given, x = x, np.zeros(problem.size)
+    x[free] = np.clip(given[free], low, high)
     if begin is None:
         residual = (yield x[None, :], cheap)[0].copy()  # a view would keep those of all searches
         exact = slopes is None
         if slopes is None:
             slopes = yield from derivatives(problem, x, free, residual, cheap)
+        elif not slopes.any(axis=0).all():
+            # A shape that has no slope stays where it begins, and what is given up is so for that.
+            missing, slopes = ~slopes.any(axis=0), slopes.copy()
+            slopes[:, missing] = yield from derivatives(problem, x, free[missing], residual, cheap)
     else:
         residual, slopes, exact = begin.residual, begin.slopes, begin.exact
     now = float(costs_of(form, h, x[None, free], precision, residual[None, :])[0])
@@ -163,8 +164,7 @@ def descend(
                 break
             factor = 100.0
             continue
-        inverse = np.diag(np.linalg.pinv(curvature))
-        spread = np.sqrt(np.maximum(inverse, 0.0))
+        spread = np.sqrt(np.maximum(np.diag(np.linalg.pinv(curvature)), 0.0))
         slopes = yield from derivatives(problem, x, free, residual, cheap, spread)
         exact = True
     return End(x, residual, slopes, now, exact)
@@ -187,11 +187,10 @@ def refine(
     free = problem.free(causes)
     for _ in range(DESCENT.walks if moves and end.cost < cost_bound else 0):
         tries = np.clip(end.x + moves, *problem.limits)
-        costs = np.empty(len(tries))
-        for begin in range(0, len(tries), problem.at_once):
-            part = slice(begin, begin + problem.at_once)
-            residual = yield tries[part], cheap
-            costs[part] = costs_of(form, h, tries[part][:, free], precision, residual)
+        costs = list[float]()
+        for some in np.split(tries, range(problem.at_once, len(tries), problem.at_once)):
+            residual = yield some, cheap
+            costs += costs_of(form, h, some[:, free], precision, residual).tolist()
         best = int(np.argmin(np.where(np.isfinite(costs), costs, np.inf)))
         if not costs[best] < end.cost - DESCENT.settled:
             break
