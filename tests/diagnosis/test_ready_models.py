@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.linalg import expm
 from scipy.special import ellipk
 
 from stickslip import Prior, ScenarioError, Series, Table, diagnose_model, events, models
@@ -601,6 +602,30 @@ def test_a_hidden_effect_is_named_with_its_size(name, true, model, inputs, step,
     assert (result.verdict.kind, result.verdict.causes) == ("named", (name,))
     low, high = result.conf_int(0.998).loc[name, ["low", "high"]]
     assert low < true.known[name] < high
+
+
+@pytest.mark.parametrize(("seed", "command"), [(103, "stairs"), (104, "waves")])
+def test_a_slow_motor_that_starts_from_rest_is_left_beside_its_twin(seed, command):
+    """By exact steps of a cart of its own; in a linear model a slow sensor reads the same."""
+    draw, t = np.random.default_rng(seed), 0.02 * np.arange(200)
+    if command == "stairs":
+        u = np.repeat(draw.uniform(-4.0, 4.0, 20), 10)
+    else:
+        rates, phases = draw.uniform(0.2, 1.6, (4, 1)), draw.uniform(0.0, 6.3, (4, 1))
+        u = 1.25 * np.sin(2.0 * np.pi * rates * t + phases).sum(axis=0)
+    mass, viscous = draw.normal([2.0, 4.0], [0.1, 0.4])
+    rates = [[-viscous / mass, 3.0 / mass, 0.0], [0.0, -20.0, 20.0], [0.0, 0.0, 0.0]]
+    step, state, v = expm(0.02 * np.array(rates)), np.zeros(3), np.empty(200)
+    for k, each in enumerate(u):
+        v[k], state = state[0], step @ [*state[:2], each]
+    sd = 0.002 * float(np.std(v))
+    log = Series(t, v + sd * draw.standard_normal(200), {"command": u}, sd=sd, unit="m/s")
+    given = {"mass": (2.0, 0.1), "gain": 3.0, "viscous": (4.0, 0.4), "reads": "speed"}
+    names = {cause.name for cause in models.axis(**given).terms(log)[1]}
+    without = sorted(names - {"slow motor", "slow sensor", "late command"})
+    result = diagnose_model(models.axis(without=without, **given), log)
+    assert result.verdict.kind == "ambiguous"
+    assert set(result.verdict.causes) == {"slow motor", "slow sensor"}
 
 
 @pytest.mark.parametrize(
