@@ -110,7 +110,8 @@ def descend(
         if slopes is None:
             slopes = yield from derivatives(problem, x, free, residual, cheap)
         elif not slopes.any(axis=0).all():
-            # A shape that has no slope stays where it begins, and what is given up is so for that.
+            # Of a shape, or a constant that acts beside the cause alone: without a slope it stays
+            # where it begins, and the model is given up for that.
             missing, slopes = ~slopes.any(axis=0), slopes.copy()
             slopes[:, missing] = yield from derivatives(problem, x, free[missing], residual, cheap)
     else:
