@@ -48,9 +48,7 @@ def results(rough, none):
         "named": made.said(rough, "named", fit=plain),
         "dominant": rough,
         "pair": made.said(rough, "pair", fit=pair, causes=tuple(sorted(pair.names))),
-        "ambiguous": made.said(
-            rough, "ambiguous", members=chance[:3], causes=("bump", "kink"), common=("bump",)
-        ),
+        "ambiguous": made.said(rough, "ambiguous", members=chance[:3], causes=("bump", "kink")),
         "unexplained": made.said(rough, "unexplained", fit=None, causes=(), leader=plain),
         "none": none,
         "data-problem": made.refused(rough),
@@ -88,7 +86,7 @@ def test_each_verdict_has_a_page_of_its_numbers(results, kind, tmp_path):
 
 def test_twins_end_in_what_to_do_where_one_is_known_to_be_absent(rough):
     chance = [each for each in rough.chance.fits if len(each.causes) == 1]
-    told = made.said(rough, "ambiguous", members=chance[:2], causes=("bump", "wave"), common=())
+    told = made.said(rough, "ambiguous", members=chance[:2], causes=("bump", "wave"))
     line = told.summary().split("\n")[0]
     assert line.endswith(
         "leave it out: a ready-made model does so with --set without=NAME, such as bump."
