@@ -23,7 +23,7 @@ from stickslip.diagnosis.pipeline import run
 from stickslip.diagnosis.report.files import figures_of, page
 from stickslip.diagnosis.report.numbers import numbers_of, summary_text
 from stickslip.diagnosis.report.sections import size
-from stickslip.diagnosis.report.sections.data import notes_of
+from stickslip.diagnosis.report.sections.data import _of_tables
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.terms import amounts
 from stickslip.diagnosis.terms.cause import Cause, CauseNote
@@ -308,9 +308,10 @@ def test_notes_that_every_measurement_has_come_last_and_those_of_a_film_name_it(
     own = replace(none, notes=notes).as_dict()
     assert [each["text"] for each in own["notes"]] == ["It rests.", "No blocks."]
     film = FilmTable(films.tracking_run({}, 400.0, 1, stated=False))
-    seen = SimpleNamespace(problem=replace(none.problem, tables=(film,)), notes=())
-    assert all(each["text"].startswith(f"{film.title}: ") for each in notes_of(seen))
-    assert len(notes_of(seen)) == len(film.notes) > 0
+    seen = SimpleNamespace(problem=replace(none.problem, tables=(film,)))
+    texts = [text for _, text in _of_tables(seen, "notes")]
+    assert all(text.startswith(f"{film.title}: ") for text in texts)
+    assert len(texts) == len(film.notes) > 0
 
 
 def test_figures_are_files(rough, tmp_path):
