@@ -46,9 +46,9 @@ def toy(truth, error=0.0, seed=3):
     y += error * random.standard_normal(len(x))
     table = Table({"side": side, "x": x}, y, sd=SD, name="volts", unit="V")
     causes = (*CAUSES, *relaxed(CONSTANTS))
-    problem = Problem((table,), Cached(lambda v: predict(x, v)), CONSTANTS, causes)
     forward = lambda at, values: predict(np.asarray(at, dtype=float), values)  # noqa: E731
-    return Diagnosis(run(problem, 0), forward=forward)
+    model = Cached(lambda v: predict(x, v))
+    return Diagnosis(run(Problem((table,), model, CONSTANTS, causes, forward=forward), 0))
 
 
 def friction(seed=1):

@@ -80,11 +80,10 @@ def test_a_free_law_is_a_factor_of_its_constant():
     mu = Parameter("mu", Prior("log-normal", 0.3, 1.1), "1/m")
     (bound,) = beside_constants([law], [mu])
     assert (law.frees, bound.curve.law_unit, bound.curve.relative) == ("mu", "1/m", True)
-    assert bound.curve.without({}) == pytest.approx(0.3)
-    assert bound.curve.without({"mu": 0.4}) == 0.4
+    assert (bound.curve.constant, bound.curve.stated) == ("mu", pytest.approx(0.3))
     wind = free_law("wind", "speed", "m/s", 0.0, 2.0, size=4e5, law_unit="uN")
     assert beside_constants([wind], [mu]) == [wind]
-    assert wind.curve.without({"mu": 0.4}) == 0.0
+    assert (wind.curve.constant, wind.curve.stated) == (None, 0.0)
     assert {(p.unit, p.high) for p in wind.parameters} == {("uN", 4e6)}
     # Formulas count from zero where it is near.
     for low, high, origin in ((0.1, 2.0, 0.0), (280.0, 330.0, 280.0), (-1.0, 1.0, 0.0)):
@@ -148,10 +147,10 @@ def test_every_free_shape_of_the_core_is_a_law_that_starts_absent():
     for name, each in by_effect.items():
         frees = set(FRICTION) if name.startswith("free_friction") else {None}
         assert {each.frees} == frees
-    assert by_effect["free_drag_rate"].curve.without({}) == BASE.drag.linear
-    assert by_effect["free_field_time"].curve.without({}) == 1.0
+    assert by_effect["free_drag_rate"].curve.stated == BASE.drag.linear
+    assert by_effect["free_field_time"].curve.stated == 1.0
     place = by_effect["free_contact_place"].curve
-    assert (place.without({}), place.relative, place.law_unit) == (0.0, False, "half lengths")
+    assert (place.stated, place.relative, place.law_unit) == (0.0, False, "half lengths")
     assert (place.low, place.high) == (-0.5, 0.5)
     assert by_effect["free_friction_load"].name == "friction over normal force"
 

@@ -23,7 +23,7 @@ from stickslip.diagnosis.pipeline import run
 from stickslip.diagnosis.report.files import figures_of, page
 from stickslip.diagnosis.report.numbers import numbers_of, summary_text
 from stickslip.diagnosis.report.sections import size
-from stickslip.diagnosis.report.sections.data import notes_of
+from stickslip.diagnosis.report.sections.data import _of_tables
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.terms import amounts
 from stickslip.diagnosis.terms.cause import Cause, CauseNote
@@ -48,9 +48,7 @@ def results(rough, none):
         "named": made.said(rough, "named", fit=plain),
         "dominant": rough,
         "pair": made.said(rough, "pair", fit=pair, causes=tuple(sorted(pair.names))),
-        "ambiguous": made.said(
-            rough, "ambiguous", members=chance[:3], causes=("bump", "kink"), common=("bump",)
-        ),
+        "ambiguous": made.said(rough, "ambiguous", members=chance[:3], causes=("bump", "kink")),
         "unexplained": made.said(rough, "unexplained", fit=None, causes=(), leader=plain),
         "none": none,
         "data-problem": made.refused(rough),
@@ -88,7 +86,7 @@ def test_each_verdict_has_a_page_of_its_numbers(results, kind, tmp_path):
 
 def test_twins_end_in_what_to_do_where_one_is_known_to_be_absent(rough):
     chance = [each for each in rough.chance.fits if len(each.causes) == 1]
-    told = made.said(rough, "ambiguous", members=chance[:2], causes=("bump", "wave"), common=())
+    told = made.said(rough, "ambiguous", members=chance[:2], causes=("bump", "wave"))
     line = told.summary().split("\n")[0]
     assert line.endswith(
         "leave it out: a ready-made model does so with --set without=NAME, such as bump."
@@ -310,9 +308,10 @@ def test_notes_that_every_measurement_has_come_last_and_those_of_a_film_name_it(
     own = replace(none, notes=notes).as_dict()
     assert [each["text"] for each in own["notes"]] == ["It rests.", "No blocks."]
     film = FilmTable(films.tracking_run({}, 400.0, 1, stated=False))
-    seen = SimpleNamespace(problem=replace(none.problem, tables=(film,)), notes=())
-    assert all(each["text"].startswith(f"{film.title}: ") for each in notes_of(seen))
-    assert len(notes_of(seen)) == len(film.notes) > 0
+    seen = SimpleNamespace(problem=replace(none.problem, tables=(film,)))
+    texts = [text for _, text in _of_tables(seen, "notes")]
+    assert all(text.startswith(f"{film.title}: ") for text in texts)
+    assert len(texts) == len(film.notes) > 0
 
 
 def test_figures_are_files(rough, tmp_path):

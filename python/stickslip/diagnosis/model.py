@@ -107,8 +107,7 @@ def bare_problem(
 ) -> Problem:  # fmt: skip
     """The same in the user's words, before anything is predicted."""
     given = tables_in("data", tables)
-    lists = ("uncertain", constants, Parameter), ("causes", causes, Cause)
-    for key, each, kind in lists:
+    for key, each, kind in (("uncertain", constants, Parameter), ("causes", causes, Cause)):
         if not isinstance(each, Sequence) or not all(isinstance(one, kind) for one in each):
             raise ScenarioError(f"{key} = {brief(each)}: allowed is a list of {kind.__name__}")
     for constant in constants:
@@ -424,12 +423,11 @@ def without_effect(problem: Problem) -> list[Note]:
     falls = np.array([parameter.falls for parameter in problem.parameters])
     # What begins to act as it falls is looked at where it acts most.
     strong = np.where(falls, high, usual)
-    stated = np.diag(strong)
     others = np.tile(usual, (problem.size, 1))
     np.fill_diagonal(others, np.where(falls, strong, 0.0))
     dead = np.ones(problem.size, dtype=bool)
     for each in dict.fromkeys((problem.short, problem)):  # a change of the beginning is one of all
-        for base, changed in ((np.zeros_like(usual), stated), (usual, others)):
+        for base, changed in ((np.zeros_like(usual), np.diag(strong)), (usual, others)):
             if dead.any():
                 dead &= _unchanged(each, base[None], changed)
     notes, named = [], set[str]()

@@ -35,8 +35,6 @@ class Diagnosis(Facts, ShownBySummary):
         What was diagnosed; none for a model of one's own.
     notes : tuple of Note
         What a reader should know beside the verdict.
-    forward : callable, optional
-        Of a model of one's own, to predict at new conditions; see `Forward`.
     """
 
     def __repr__(self) -> str:

@@ -52,8 +52,8 @@ LATEST = 1e11
 """Time, s since 1970, from which on it is in a smaller unit: the year 5138."""
 
 STRETCHES = 12
-"""Stretches into which each record is cut, to be held out in turn. Chosen: more cost more and tell
-little more."""
+"""Stretches into which each record is cut, and parts of all readings, to be held out in turn.
+Chosen: more cost more and tell little more."""
 
 _ORDERS, _FLAT, _SMALL = (3, 5), 1.3, 0.5
 """Orders of the differences that tell a smooth curve from its noise, the ratio of what they say up
@@ -144,9 +144,8 @@ class Series(Table):
                 what = f"{self.at}inputs {key}: row {k}"
                 text = "the value that acted; this looks like a mark for no value"
                 refuse(what, values[k].item(), text)
-        gap = np.isnan(readings)
         stated = None if sd is None else stated_errors(f"{self.at}sd", sd, count, unit)
-        gap = gap if stated is None else gap | np.isnan(stated)
+        gap = np.isnan(readings) | np.isnan(0.0 if stated is None else stated)
         self.own_notes = (*notes, *without_gaps(self.at, gap))
         sound = np.flatnonzero(~gap)
         for lost in alike_and_lost(readings[sound], [each[sound] for each in acting.values()]):
@@ -173,6 +172,7 @@ class Series(Table):
         self, t: Array, y: Array, inputs: Mapping[str, Array], sd: Array | None, kept: Mask
     ) -> None:
         """Let these rows be the record; without an `sd` its errors are estimated from them."""
+        vars(self).pop("named_settings", None)  # of other rows
         self.t, self.y = locked(t[kept]), locked(y[kept])
         self.inputs = {key: locked(values[kept]) for key, values in inputs.items()}
         self.signals: Mapping[str, Callable[[bool], Signal]] = {}
@@ -228,7 +228,6 @@ class Series(Table):
     def without(self, gone: Mask, why: str) -> Series:
         """The same without some readings, and a note on their rows that ends with `why`."""
         made = self.having()
-        vars(made).pop("named_settings", None)
         sd = self.errors.sd if self.stated else None
         made._take(self.t, self.y, self.inputs, sd, ~gone)
         return made._less(self, ~gone, why)
@@ -236,7 +235,6 @@ class Series(Table):
     def first_readings(self, count: int) -> Series:
         """The beginning of the record, with its errors as they are."""
         kept, made = np.arange(len(self)) < count, self.having()
-        vars(made).pop("named_settings", None)
         made._take(self.t, self.y, self.inputs, self.errors.sd, kept)
         return made.having(errors=replace(self.errors, sd=self.errors.sd[kept]))
 
@@ -354,11 +352,9 @@ def _from_repeats(group: Sequence[Series]) -> Errors:
     """Error of a reading from the scatter of repeats, with what its correlation leaves of them."""
     common, places = _common_rows(group)
     count = len(common)
-    if not count:
-        return Errors(np.zeros(0), dof=0.0)
     rows = np.array([record.y[at] for record, at in zip(group, places, strict=True)])
     away = rows - rows.mean(axis=0)
-    sd = math.sqrt(float(np.sum(away**2)) / (count * (len(group) - 1)))
+    sd = math.sqrt(float(np.sum(away**2)) / max(count * (len(group) - 1), 1))
     if sd == 0.0:
         return Errors(np.zeros(count), dof=0.0)
     dof = (len(group) - 1) * freedom(away[0])

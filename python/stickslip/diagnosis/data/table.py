@@ -176,9 +176,7 @@ class Table:
         )
         self.y = locked(readings[~gap])
         read = {key: locked(values[~gap]) for key, values in read.items()}
-        self.settings = read
-        if columns is None:
-            self.settings = _as_array(f"{at}settings", settings, read)
+        self.settings = _as_array(f"{at}settings", settings, read) if columns is None else read
         notes += without_gaps(at, gap)
         same = [_equal(key, values, notes) for key, values in read.items()]
         keys = list(zip(*same, strict=True)) or [()] * len(self.y)
@@ -335,8 +333,7 @@ class Table:
                 "The error of a reading is not known, so no misfit can be judged: repeat some "
                 "conditions, or state the error (velocity_sd of a measurement, sd of a table)."
             ))  # fmt: skip
-        repeated = self.less is None and 3 < len(mean) < len(self.y)
-        if 0.0 < errors.dof < math.inf and repeated:
+        if self.less is None and len(mean) < len(self.y) and errors.dof < math.inf:
             # What blocks share is no error of one condition beside another.
             variances = errors.of_reading(mean) ** 2 / np.bincount(self.condition)
             ratio = float(np.var(mean) / np.mean(variances))

@@ -82,11 +82,6 @@ class Facts:
     findings: Findings
     measurement: Measurement | None = None
     notes: tuple[Note, ...] = ()
-    forward: Forward | None = None
-
-    def __post_init__(self) -> None:
-        if self.forward is None:
-            object.__setattr__(self, "forward", self.problem.forward)
 
     @property
     def problem(self) -> Problem:
@@ -115,6 +110,11 @@ class Facts:
     def words(self) -> Words:
         """Names of causes and parameters in words."""
         return Words(self.problem.words, self.problem.causes)
+
+    @property
+    def forward(self) -> Forward | None:
+        """Of a model of one's own, to predict at new conditions; see `Forward`."""
+        return self.problem.forward
 
     @property
     def rivals(self) -> Rivals:
@@ -306,7 +306,7 @@ class Facts:
             members, a column with what it predicts and one with its sd. None where there is nothing
             to separate.
         """
-        candidates, pairs = self._rivals[True]
+        candidates, pairs = self._told_apart(True)
         if not pairs:
             return None
         import pandas as pd
@@ -407,11 +407,6 @@ class Facts:
             raise ScenarioError("predict: this model was given without a way to new conditions")
         return np.asarray(self.forward(at, candidate.values()))
 
-    @cached_property
-    def _rivals(self) -> dict[bool, tuple[list[Candidate], list[tuple[int, int]]]]:
-        """`_told_apart` with every member of a set and without."""
-        return {every: self._told_apart(every) for every in (True, False)}
-
     def _told_apart(self, every_member: bool) -> tuple[list[Candidate], list[tuple[int, int]]]:
         """Models to tell apart, and which of them from which.
 
@@ -450,7 +445,7 @@ class Facts:
         return self._proposed(design.PROPOSED)
 
     def _proposed(self, count: int) -> list[design.Experiment]:
-        candidates, pairs = self._rivals[False]
+        candidates, pairs = self._told_apart(False)
         proposals = self.rivals.proposals() if pairs else None
         if proposals is None:
             return []

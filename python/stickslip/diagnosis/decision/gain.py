@@ -10,15 +10,12 @@ from scipy.stats import t as t_law
 
 from stickslip._util.arrays import Array, Indices
 from stickslip._util.text import OneLine
-from stickslip.diagnosis.data.series import Series
+from stickslip.diagnosis.data.series import STRETCHES, Series
 from stickslip.diagnosis.fitting.descent import step_within
 from stickslip.diagnosis.fitting.forms import Correlated, Form, forms
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.search import Models
-
-MOST_PARTS = 12
-"""Parts that are held out in turn. Chosen: more cost more and tell little more."""
 
 _FEWEST = 3  # parts for an interval
 _LARGEST_SHARE = 0.5  # of an effect, in one part; chosen
@@ -56,7 +53,7 @@ def parts_of(problem: Problem) -> list[Indices]:
     """Rows that are held out in turn: neighbouring groups together."""
     groups = problem.group
     number = int(groups.max()) + 1
-    return _numbered(groups * min(MOST_PARTS, number) // number)
+    return _numbered(groups * min(STRETCHES, number) // number)
 
 
 def in_blocks(problem: Problem) -> bool:
@@ -65,10 +62,9 @@ def in_blocks(problem: Problem) -> bool:
     Else a form of correlated errors fills in a held-out reading from its neighbours, with a cause
     or without.
     """
-    groups = [table.group for table in problem.tables]
     return all(
-        not isinstance(table, Series) and int(group.max()) + 1 < len(group)
-        for table, group in zip(problem.tables, groups, strict=True)
+        not isinstance(table, Series) and int(table.group.max()) + 1 < len(table.group)
+        for table in problem.tables
     )
 
 
@@ -81,15 +77,13 @@ def _finer(problem: Problem, effect: Array, parts: list[Indices]) -> list[Indice
     whole = float(np.sum(effect**2))
     if max(float(np.sum(effect[rows] ** 2)) for rows in parts) <= _LARGEST_SHARE * whole:
         return []
-    alone = np.zeros(len(effect), dtype=bool)
-    for table, rows in zip(problem.tables, problem.rows, strict=True):
-        alone[rows] = isinstance(table, Series)
+    alone = np.concatenate([np.full(len(t.mean), isinstance(t, Series)) for t in problem.tables])
     order = np.argsort(problem.group, kind="stable")
     begins = np.diff(problem.group[order], prepend=-1) != 0
     unit = np.empty(len(effect), dtype=np.int64)
     unit[order] = np.cumsum(begins | alone[order]) - 1
     shares = np.bincount(unit, effect**2) / whole
-    number = np.floor(MOST_PARTS * (np.cumsum(shares) - 0.5 * shares))
+    number = np.floor(STRETCHES * (np.cumsum(shares) - 0.5 * shares))
     parts = _numbered(number.astype(np.int64)[unit])
     return parts if len(parts) >= _FEWEST else []
 
@@ -144,8 +138,7 @@ def held_out(
         still = [not problem.parameters[k].is_amplitude for k in terms]
         room[:, len(problem.constants) :][:, still] = 0.0
     for rows in parts:
-        kept = np.delete(np.arange(len(problem.y)), rows)
-        gram = _gram(problem, whole, fit, columns, kept)
+        gram = _gram(problem, whole, fit, columns, rows)
         curvature = gram[:-1, :-1] + fit.precision
         downhill = gram[:-1, -1] - fit.precision @ fit.x[fit.free]
         move = step_within(curvature, downhill, *room)
@@ -153,22 +146,21 @@ def held_out(
     return errors
 
 
-def _gram(problem: Problem, form: Form, fit: Fit, columns: Array, kept: Indices) -> Array:
-    """A' C^-1 A of the rows that are kept.
+def _gram(problem: Problem, form: Form, fit: Fit, columns: Array, left_out: Indices) -> Array:
+    """A' C^-1 A without the rows that are held out.
 
     Rows whose columns are zero do not count in an inner product of independent errors. Where errors
     are correlated, the held-out rows are free: each has a column of its own that is eliminated.
     """
-    only = np.zeros_like(columns)
-    only[kept] = columns[kept]
+    only = columns.copy()
+    only[left_out] = 0.0
     independent = all(errors.covariance is None for errors in problem.errors)
     h = fit.h if form.name == fit.form else np.zeros(len(form.names))
     if form.name in ("exact", "white") and independent:
         return form.weighted(form.prepared(only), fit.residual, h)
     if isinstance(form, Correlated):
-        form = form.of_rows(kept)
+        form = form.of_rows(np.delete(np.arange(len(columns)), left_out))
         return form.gram(form.prepared(columns), h)
-    left_out = np.delete(np.arange(len(columns)), kept)
     ones = np.zeros((len(columns), len(left_out)))
     ones[left_out, np.arange(len(left_out))] = 1.0
     gram = form.gram(form.prepared(np.hstack([columns, ones])), h)

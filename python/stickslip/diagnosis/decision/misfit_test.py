@@ -22,6 +22,7 @@ from stickslip.diagnosis.fitting.models import Fit, minimise
 from stickslip.diagnosis.fitting.problem import Problem, lack_of_fit
 from stickslip.diagnosis.fitting.responses import Response
 from stickslip.diagnosis.fitting.search import Models
+from stickslip.diagnosis.terms.words import of_side
 
 ALPHA = 0.05
 """Rate of false alarms: the usual choice."""
@@ -73,9 +74,7 @@ def chance_of_other_constants(models: Models, null: Fit) -> float:
     side alone has a misfit: there whatever is left is a difference.
     """
     problem = models.problem
-    others = [
-        each for each in models.offered if each.name.partition("[")[0] in problem.rivals.shared
-    ]
+    others = [each for each in models.offered if of_side(each.name)[0] in problem.rivals.shared]
     if problem.rivals.cancels or not others:
         return 0.0
     misfit, count = Counter[str](), Counter[str]()

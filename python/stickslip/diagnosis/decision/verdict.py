@@ -83,8 +83,6 @@ class Verdict(OneLine):
     members : tuple of Fit
         Models that stay open: the smallest set with 95 %, or a pair and the smaller models than
         which it did not predict better.
-    common : tuple of str
-        Causes in all of them.
     share : float, optional
         Part of the model's error that `fit`, or else the leader, takes.
     leader : Fit, optional
@@ -99,7 +97,6 @@ class Verdict(OneLine):
     reasons: tuple[Note, ...] = ()
     probabilities: Mapping[str, float] = field(default_factory=dict)
     members: tuple[Fit, ...] = ()
-    common: tuple[str, ...] = ()
     share: float | None = None
     leader: Fit | None = None
     gain: Gain | None = None
@@ -115,6 +112,12 @@ class Verdict(OneLine):
         return None if self.kind in ("none", "data-problem") else self.fit or self.leader
 
     @property
+    def common(self) -> tuple[str, ...]:
+        """Causes in all `members`."""
+        names = [fit.names for fit in self.members]
+        return tuple(sorted(frozenset.intersection(*names))) if names else ()
+
+    @property
     def partial(self) -> bool:
         """Whether a discrepancy is left beside `fit`."""
         return self.fit is not None and self.fit.form != "exact"
@@ -126,12 +129,9 @@ def decide(models: Models, test: MisfitTest) -> Verdict:
     leader = next((fit for fit in chance.fits if fit.causes), None)
     probabilities = {**chance.causes, "none": chance.none}
     members = tuple(chance.smallest_set())
-    verdict = Verdict(
-        "unexplained", probabilities=probabilities, members=members, leader=leader,
-        common=_common(members),
-    )  # fmt: skip
+    verdict = Verdict("unexplained", probabilities=probabilities, members=members, leader=leader)
     if leader is None or not chance.has_cause:
-        return _without_cause(verdict, models, test, leader)
+        return _without_cause(verdict, models, test)
     sure = chance.sure
     if not sure:
         return _set(verdict, models, chance)
@@ -139,14 +139,7 @@ def decide(models: Models, test: MisfitTest) -> Verdict:
     return _with_more(verdict, models, test, chance, most, sure)
 
 
-def _common(members: Sequence[Fit]) -> tuple[str, ...]:
-    """Causes that all models have."""
-    return tuple(sorted(frozenset.intersection(*(fit.names for fit in members))))
-
-
-def _without_cause(
-    verdict: Verdict, models: Models, test: MisfitTest, leader: Fit | None
-) -> Verdict:
+def _without_cause(verdict: Verdict, models: Models, test: MisfitTest) -> Verdict:
     if test.misfit:
         likeliest = next(fit for fit in models.leaders() if not fit.causes)
         rival = "an unknown model error"
@@ -161,8 +154,8 @@ def _without_cause(
             return _with(verdict, "none", (), None, (reason,), models, None)
         text = f"A misfit is left ({p_text(test.p_value)}); no cause is more probable than {rival}."
         reason = Note("no-cause-leads", text, test.p_value)
-        gain = gain_of(models, leader) if leader else None
-        return _with(verdict, "unexplained", (), None, (reason,), models, leader, gain)
+        gain = gain_of(models, verdict.leader) if verdict.leader else None
+        return _with(verdict, "unexplained", (), None, (reason,), models, verdict.leader, gain)
     text = f"The recalibrated model explains the data ({p_text(test.p_value)})."
     reason = Note("nothing-left", text, test.p_value)
     return _with(verdict, "none", (), None, (reason,), models, None)
@@ -263,7 +256,9 @@ def _claimed(
         named = [fit.name for fit in (beside, *twins)]
         reasons += (CauseNote("twins-left-open", text, named),)
         return _left_open(verdict, models, (beside, *twins), reasons, gains[0])
-    reasons += _slow_rest(beside)
+    if beside.form == "ar1" and math.log(beside.sizes["tau"]) >= HYPER["tau"][3] - _AT_BOUND:
+        text = "What {} leaves drifts over the whole record: something else is missing too."
+        reasons += (CauseNote("long-correlation", text, [beside.name], beside.sizes["tau"]),)
     return _with(verdict, kind, names, beside, reasons, models, beside, gains[0])
 
 
@@ -307,13 +302,7 @@ def _against(models: Models, fit: Fit, gains: Sequence[Gain | None]) -> list[Not
     if _is_pattern(models, fit):
         text = "What {} leaves follows the settings: it is no scatter."
         notes.append(CauseNote("pattern-left", text, [fit.name]))
-    if _at_end(models, fit):
-        notes.append(_end_of_range(fit))
-    return notes
-
-
-def _end_of_range(fit: Fit) -> Note:
-    return CauseNote("size-at-end", "A size of {} is at the end of its range.", [fit.name])
+    return notes + _at_end(models, fit)
 
 
 def _proven(models: Models, test: MisfitTest, fit: Fit, gains: Sequence[Gain | None]) -> bool:
@@ -371,8 +360,7 @@ def _set(
         parts = [share(models, member) for member in members if member.causes]
         part = max((value for value in parts if not math.isnan(value)), default=0.0)
         against += _takes_little(first, part, [gain])
-    if _at_end(models, first):
-        against.append(_end_of_range(first))
+    against += _at_end(models, first)
     if len(members) == 1 or len(against) > len(reasons):
         return _with(verdict, "unexplained", (), None, tuple(against), models, first, gain)
     probability = chance.models[first.name]
@@ -393,7 +381,7 @@ def _left_open(
     """The causes of models that stay open, of which the first with a cause is told."""
     names = tuple(dict.fromkeys(name for one in members for name in sorted(one.names)))
     first = next(member for member in members if member.causes)
-    verdict = replace(verdict, members=members, common=_common(members))
+    verdict = replace(verdict, members=members)
     return _with(verdict, "ambiguous", names, first, reasons, models, first, gain)
 
 
@@ -408,13 +396,13 @@ def _with(verdict: Verdict, kind: Kind, causes: tuple[str, ...], fit: Fit | None
         text = f"The errors are too large: what is left scatters by {left:.2g} of them."
         reasons += (Note("errors-too-large", text, left),)
     return Verdict(
-        kind, causes, fit, reasons, verdict.probabilities, verdict.members, verdict.common,
+        kind, causes, fit, reasons, verdict.probabilities, verdict.members,
         None if subject is None else share(models, subject), subject or verdict.leader, gain,
     )  # fmt: skip
 
 
-def _at_end(models: Models, fit: Fit) -> bool:
-    """Whether an amplitude, or a relaxed constant, is at the farther end of its range."""
+def _at_end(models: Models, fit: Fit) -> list[Note]:
+    """A note where an amplitude, or a relaxed constant, is at the farther end of its range."""
     problem, (low, high) = models.problem, models.problem.limits
     relaxed = [problem.at(cause) for cause in fit.causes if cause.frees is not None]
     for k in [*problem.columns(fit.causes).tolist(), *relaxed]:
@@ -426,13 +414,6 @@ def _at_end(models: Models, fit: Fit) -> bool:
         ends = [end for end in (low[k], high[k]) if math.isfinite(end) and end not in stated]
         ends = [end for end in ends if end or not one.is_amplitude]
         if any(abs(fit.x[k] - end) < _AT_END for end in ends):
-            return True
-    return False
-
-
-def _slow_rest(fit: Fit) -> tuple[Note, ...]:
-    """A note where a discrepancy beside a cause is correlated for as long as a run allows."""
-    if fit.form != "ar1" or math.log(fit.sizes["tau"]) < HYPER["tau"][3] - _AT_BOUND:
-        return ()
-    text = "What {} leaves drifts over the whole record: something else is missing too."
-    return (CauseNote("long-correlation", text, [fit.name], fit.sizes["tau"]),)
+            text = "A size of {} is at the end of its range."
+            return [CauseNote("size-at-end", text, [fit.name])]
+    return []

@@ -144,17 +144,28 @@ class Form:
         return {name: math.exp(value) for name, value in zip(self.names, h.tolist(), strict=True)}
 
 
-class Exact(Form):
-    """``exact``: normal errors, or Student's for each table whose errors were estimated."""
-
-    name = "exact"
-    names = ()
+class Whitening(Form):
+    """Forms that make columns independent, of size 1."""
 
     def prepared(self, columns: Array) -> Any:
         return self.problem.whitened(self.computed(columns))
 
+    def _whitened(self, columns: Array, h: Array) -> Array:
+        return columns
+
     def gram(self, prepared: Any, h: Array) -> Array:
-        return np.asarray(prepared.T @ prepared)
+        whitened = self._whitened(prepared, h)
+        return np.asarray(whitened.T @ whitened)
+
+    def misfit(self, prepared: Any, h: Array) -> Array:
+        return np.asarray(np.sum(self._whitened(prepared, h) ** 2, axis=0))
+
+
+class Exact(Whitening):
+    """``exact``: normal errors, or Student's for each table whose errors were estimated."""
+
+    name = "exact"
+    names = ()
 
     def weighted(self, prepared: Any, residual: Array, h: Array) -> Array:
         chi2 = self.problem.chi2_of_tables(self.computed(residual[:, None]).T)[:, 0]
@@ -208,7 +219,7 @@ class Softened(Exact):
         return np.asarray(np.sum(squares, axis=0))
 
 
-class Correlated(Form):
+class Correlated(Whitening):
     """``ar1``, for any gaps of a run; in O(n) where errors are independent.
 
     Differences B along a run, unit bidiagonal, make B C B' tridiagonal; with its factors
@@ -244,7 +255,9 @@ class Correlated(Form):
     def _place(self, order: Indices, share: Array) -> None:
         """Take rows in their order, each a share of the span of its run after the one before."""
         self._order, self._share = order, share
+        # Ways along a run add up over what is left out; one over the start of a run is infinite.
         way, run = np.cumsum(np.where(np.isfinite(share), share, 0.0)), np.cumsum(np.isinf(share))
+        self._way, self._run = way, run
         chain = np.ones(len(order), dtype=bool)
         self._dense = list[tuple[Indices, Array, Array, Array]]()
         for k, part in enumerate(self.problem.rows):
@@ -265,9 +278,7 @@ class Correlated(Form):
     def of_rows(self, rows: Indices) -> Correlated:
         """The inner product of some rows alone: what is between them is a longer gap."""
         kept, made = np.isin(self._order, rows), copy.copy(self)
-        # Ways along a run add up over what is left out; one over the start of a run is infinite.
-        way = np.cumsum(np.where(np.isfinite(self._share), self._share, 0.0))[kept]
-        run = np.cumsum(np.isinf(self._share))[kept]
+        way, run = self._way[kept], self._run[kept]
         share = np.where(np.diff(run, prepend=-1) == 0, np.diff(way, prepend=0.0), np.inf)
         made._place(self._order[kept], share)
         return made
@@ -303,8 +314,7 @@ class Correlated(Form):
 
     def gram(self, prepared: Any, h: Array) -> Array:
         if not self.problem.is_long:
-            whitened = self._whitened(prepared, h)
-            return np.asarray(whitened.T @ whitened)
+            return super().gram(prepared, h)
         # All errors larger by a factor are the same inner product: of many rows it is kept.
         if self._kept[0] is not prepared:
             self._kept = prepared, {}
@@ -315,9 +325,6 @@ class Correlated(Form):
         gram, log_det = self._kept[1][key]
         self._log_det = log_det + 2.0 * prepared.shape[0] * float(h[0])
         return np.asarray(gram * math.exp(-2.0 * h[0]))
-
-    def misfit(self, prepared: Any, h: Array) -> Array:
-        return np.asarray(np.sum(self._whitened(prepared, h) ** 2, axis=0))
 
     def log_det(self, h: Array) -> float:
         return self._log_det
@@ -339,7 +346,7 @@ class Correlated(Form):
         return middle, sd, low, high
 
 
-class Smooth(Form):
+class Smooth(Whitening):
     """``smooth``: over the settings of each table by itself."""
 
     name = "smooth"
@@ -360,9 +367,6 @@ class Smooth(Form):
             self._apart.append((part, apart, problem.whitened(units)[part]))
         self._factors: tuple[bytes, list[Array]] = b"", []
 
-    def prepared(self, columns: Array) -> Any:
-        return self.problem.whitened(self.computed(columns))
-
     def _factored(self, h: Array) -> list[Array]:
         """Cholesky factors of the tables' covariances, in whitened rows."""
         if self._factors[0] != h.tobytes():
@@ -374,19 +378,12 @@ class Smooth(Form):
             self._factors = h.tobytes(), factors
         return self._factors[1]
 
-    def _independent(self, whitened: Array, h: Array) -> Array:
-        result = whitened * math.exp(-h[0])
+    def _whitened(self, columns: Array, h: Array) -> Array:
+        result = columns * math.exp(-h[0])
         for (part, *_), lower in zip(self._apart, self._factored(h), strict=True):
             # By LAPACK itself: the checks of a wrapper cost more than a table of some tens of rows.
-            result[part], _ = lapack.dtrtrs(lower.T, whitened[part], lower=0, trans=1)
+            result[part], _ = lapack.dtrtrs(lower.T, columns[part], lower=0, trans=1)
         return result
-
-    def gram(self, prepared: Any, h: Array) -> Array:
-        columns = self._independent(prepared, h)
-        return np.asarray(columns.T @ columns)
-
-    def misfit(self, prepared: Any, h: Array) -> Array:
-        return np.asarray(np.sum(self._independent(prepared, h) ** 2, axis=0))
 
     def log_det(self, h: Array) -> float:
         total, others = self.problem.log_det, self.n

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import matplotlib
@@ -131,8 +131,25 @@ class Plots:
         return self.panels(k, self._best_setting(k) if change else settings.most_varied)
 
     def _drawn(self, panels: Sequence[Panel], change: bool) -> Figure:
+        """A figure with all panels, two in a row, and one legend."""
         base = self._predicted.get("recalibrated") if change else None
-        return _figure(panels, partial(self._draw, base=base))
+        columns = min(len(panels), 2)
+        rows = math.ceil(len(panels) / columns)
+        size = _WIDTH * columns, 0.8 + 3.0 * rows
+        figure = Picture(figsize=size, layout="constrained")
+        frames = figure.subplots(rows, columns, squeeze=False).ravel()
+        shown: dict[str, Any] = {}
+        for axes, panel in zip(frames, panels, strict=False):
+            self._draw(axes, panel, base)
+            handles, labels = axes.get_legend_handles_labels()
+            shown |= {label: handle for handle, label in zip(handles, labels, strict=True)}
+        for axes in frames[len(panels) :]:
+            axes.remove()
+        words = [shortened(word, 50) for word in shown]
+        columns = int(9.0 * size[0] / (max(map(len, words), default=1) + 7))
+        figure.legend(list(shown.values()), words, loc="outside lower center",
+                      ncols=min(max(columns, 1), 4), frameon=False, fontsize=9)  # fmt: skip
+        return figure
 
     def panels(self, k: int, over: str) -> list[Panel]:
         """Rows of a table by words in panels, and by other settings in groups.
@@ -257,7 +274,7 @@ class Plots:
                 ratios[name] = float(np.mean(np.concatenate(steps) ** 2) / np.var(change))
         return min(ratios, key=lambda name: ratios[name]) if ratios else settings.most_varied
 
-    def _draw(self, axes: Any, panel: Panel, base: Array | None = None) -> None:
+    def _draw(self, axes: Any, panel: Panel, base: Array | None) -> None:
         """Readings and models, or what they are beyond `base`: curves where they are computed."""
         facts, table = self._facts, self._tables[panel.table]
         part, (at, unit) = facts.problem.rows[panel.table], table.named_settings.along(panel.over)
@@ -330,25 +347,3 @@ def plain_axes(axes: Any) -> None:
     """A grid, and no frame where no axis is."""
     axes.grid(color=LIGHT_GREY, lw=0.6)
     axes.spines[["top", "right"]].set_visible(False)
-
-
-def _figure(panels: Sequence[Panel], draw: Any) -> Figure:
-    """A figure with all panels, two in a row, and one legend."""
-    columns = min(len(panels), 2)
-    rows = math.ceil(len(panels) / columns)
-    size = _WIDTH * columns, 0.8 + 3.0 * rows
-    figure = Picture(figsize=size, layout="constrained")
-    frames = figure.subplots(rows, columns, squeeze=False).ravel()
-    for axes, panel in zip(frames, panels, strict=False):
-        draw(axes, panel)
-    for axes in frames[len(panels) :]:
-        axes.remove()
-    shown: dict[str, Any] = {}
-    for axes in frames[: len(panels)]:
-        handles, labels = axes.get_legend_handles_labels()
-        shown |= {label: handle for handle, label in zip(handles, labels, strict=True)}
-    words = [shortened(word, 50) for word in shown]
-    columns = int(9.0 * size[0] / (max(map(len, words), default=1) + 7))
-    figure.legend(list(shown.values()), words, loc="outside lower center",
-                  ncols=min(max(columns, 1), 4), frameon=False, fontsize=9)  # fmt: skip
-    return figure

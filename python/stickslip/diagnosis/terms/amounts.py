@@ -30,9 +30,9 @@ def odds(ratio: float, short: bool = False) -> str:
     return f"{number(ratio, 2)} to 1" if ratio >= 1.0 else f"1 to {number(1.0 / ratio, 2)}"
 
 
-def joined_ends(low: float, high: float) -> str:
+def joined_ends(low: float, high: float, unit: str = "") -> str:
     """``0.13 to 0.16``."""
-    return joined([low, high], (high - low) / 4.0, " to ", "")
+    return joined([low, high], (high - low) / 4.0, " to ", unit)
 
 
 def amount(value: float, sd: float, unit: str = "") -> str:

@@ -152,10 +152,6 @@ class Curve(OneLine):
         scale = values[:, 1].reshape(wide) if values.shape[1] > 1 else self.reach
         return np.asarray(amplitude * SHAPES[self.form].at((argument - self.origin) / scale))
 
-    def without(self, values: Mapping[str, float]) -> float:
-        """The law without f, where the model's parameters have these values by name."""
-        return self.stated if self.constant is None else values.get(self.constant, self.stated)
-
     def precisions(self) -> list[Array]:
         """Inverse prior covariances of the knots' coordinates, one for each size and length."""
         apart = np.subtract.outer(self.places, self.places) / (self.high - self.low)

@@ -144,9 +144,8 @@ def beside_constants(causes: Iterable[Cause], constants: Sequence[Parameter]) ->
                 hint = meant(curve.constant, known)
                 refuse(f"free law {cause.name}: factor_of", curve.constant,
                        f"an uncertain constant{hint}")  # fmt: skip
-            constant = known[curve.constant]
-            stated = float(constant.value(np.zeros(1))[0])
-            cause = replace(cause, curve=replace(curve, law_unit=constant.unit, stated=stated))
+            one = known[curve.constant]
+            cause = replace(cause, curve=replace(curve, law_unit=one.unit, stated=one.middle))
         made.append(cause)
     return made
 

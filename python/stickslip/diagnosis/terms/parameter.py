@@ -161,12 +161,8 @@ class Parameter:
             end = _FARTHEST
         elif self.prior.kind == "log-normal":
             end = math.log(_LARGEST_FACTOR) / math.log(self.prior.second)
-        ends = [-end, end]
-        if math.isfinite(self.low):
-            ends[0] = max(ends[0], self.coordinate(self.low))
-        if math.isfinite(self.high):
-            ends[1] = min(ends[1], self.coordinate(self.high))
-        return ends[0], ends[1]
+        low, high = (self.coordinate(x) if math.isfinite(x) else x for x in (self.low, self.high))
+        return max(-end, low), min(end, high)
 
     def coordinate(self, value: float) -> float:
         """Coordinate of a value; of an amplitude, of one that does not fall."""

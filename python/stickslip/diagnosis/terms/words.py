@@ -12,7 +12,7 @@ from stickslip._util.note import Note
 from stickslip._util.text import OneLine
 from stickslip._util.toml import own_table
 from stickslip._util.units import handy, unit_label
-from stickslip.diagnosis.terms.amounts import amount, joined, number, percent
+from stickslip.diagnosis.terms.amounts import amount, joined, joined_ends, number, percent
 from stickslip.diagnosis.terms.cause import Cause, CauseNote
 from stickslip.diagnosis.terms.parameter import Parameter
 
@@ -181,8 +181,8 @@ class Words:
     def between(self, name: str, low: float, high: float, unit: str) -> str:
         """The ends of an interval of a parameter, with its unit: ``13.5 to 16.4 %``."""
         factor, shown = self.shown_in(name, unit)
-        ends = sorted((low * factor, high * factor))
-        return joined(ends, (ends[1] - ends[0]) / 4.0, " to ", shown)
+        low, high = sorted((low * factor, high * factor))
+        return joined_ends(low, high, shown)
 
     def limit(self, name: str, value: float, unit: str, digits: int = 2) -> str:
         """A value in the unit of its parameter: ``2.1 degrees``."""

@@ -53,6 +53,10 @@ class Numbers(TypedDict, total=False):
 def numbers(facts: Facts) -> Numbers:
     source = facts.measurement
     lost = [] if source is None else list(map(str, source.left_out))
+    notes = [
+        {"code": note.code, "text": text, "routine": note.code in ROUTINE}
+        for note, text in (*((n, str(n)) for n in facts.notes), *_of_tables(facts, "notes"))
+    ]
     sides = facts.rivals.sides(facts.best.params["value"].to_dict() if facts.fitted else {})
     paired = any(table.less is not None for table in facts.problem.tables)
     compared: Numbers = {"sides": sides, "paired": paired} if sides else {}
@@ -60,19 +64,10 @@ def numbers(facts: Facts) -> Numbers:
         "name": "Diagnosis" if source is None else source.name,
         "offered": len(facts.findings.models.offered), "of_measurement": source is not None,
         "seed": facts.findings.seed, "version": VERSION,
-        "notes": notes_of(facts),
+        "notes": sorted(notes, key=lambda row: bool(row["routine"])),
         "left_out": [*lost, *(text for _, text in _of_tables(facts, "left_out"))],
         "conditions": _conditions(facts), "channels": _channels(facts), **compared,
     }  # fmt: skip
-
-
-def notes_of(facts: Facts) -> list[dict[str, Any]]:
-    """All notes, those that nearly every report has last."""
-    rows = [
-        {"code": note.code, "text": text, "routine": note.code in ROUTINE}
-        for note, text in (*((n, str(n)) for n in facts.notes), *_of_tables(facts, "notes"))
-    ]
-    return sorted(rows, key=lambda row: bool(row["routine"]))
 
 
 def _of_tables(facts: Facts, what: str) -> list[tuple[Note, str]]:

@@ -14,7 +14,7 @@ from stickslip.diagnosis.data.outliers import far_readings
 from stickslip.diagnosis.data.settings import ROW, Settings
 from stickslip.diagnosis.decision.facts import Facts
 from stickslip.diagnosis.report.sections.evidence import MOST_NAMED
-from stickslip.diagnosis.report.sections.size import Rows, rows_of
+from stickslip.diagnosis.report.sections.size import rows_of
 
 Side = Literal["above", "below", "both"]
 """Side of the model on which readings lie."""
@@ -41,31 +41,20 @@ class Numbers(TypedDict):
 
 
 def numbers(facts: Facts) -> Numbers:
-    rows, residual = _constants(facts), facts.recalibrated.fit.residual
-    moved = [{"name": name, "title": facts.words.parameter(name), "pull": abs(row["pull"])}
-             for name, row in rows.items()]  # fmt: skip
-    return {
-        "recalibrated": rows, "moved": max(moved, key=lambda each: each["pull"], default=None),
-        "misfit": _worst(facts, residual),
-        "pattern": _pattern(facts, residual) if facts.verdict.kind == "unexplained" else None,
-    }  # fmt: skip
-
-
-def _constants(facts: Facts) -> Rows:
-    """The recalibrated constants, and what they are in the extended model."""
-    rows = rows_of(facts, facts.recalibrated)
+    rows, residual = rows_of(facts, facts.recalibrated), facts.recalibrated.fit.residual
     extended = facts.best.params.to_dict("index") if facts.verdict.fit is not None else {}
     for name, row in rows.items():
         value, sd, pull = (extended.get(name, {}).get(key) for key in ("value", "sd", "pull"))
         row |= {"extended": value, "sd_extended": sd, "pull_extended": pull}
-    return rows
-
-
-def _worst(facts: Facts, residual: Array) -> list[dict[str, Any]]:
-    """The readings with most of chi-square; none of a perfect fit."""
+    moved = [{"name": name, "title": facts.words.parameter(name), "pull": abs(row["pull"])}
+             for name, row in rows.items()]  # fmt: skip
     square = np.ravel(facts.problem.whitened(residual[:, None])) ** 2
-    worst, total = np.argsort(-square)[:MOST_NAMED], np.sum(square)
-    return [{**facts.places[k], "share": float(square[k] / total)} for k in worst if total]
+    worst, total = np.argsort(-square)[:MOST_NAMED], np.sum(square)  # 0 of a perfect fit
+    return {
+        "recalibrated": rows, "moved": max(moved, key=lambda each: each["pull"], default=None),
+        "misfit": [{**facts.places[k], "share": float(square[k] / total)} for k in worst if total],
+        "pattern": _pattern(facts, residual) if facts.verdict.kind == "unexplained" else None,
+    }  # fmt: skip
 
 
 class _Region(NamedTuple):
