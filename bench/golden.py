@@ -30,8 +30,6 @@ ELSEWHERE = VERDICTS.with_name("verdicts_elsewhere.jsonl")
 """
 VARIES = ("version",)
 """Keys that tell of the package and not of the data."""
-NEWER = ("about_zero", "models", "sd_extended")
-"""Keys that the stored file does not have yet: they decide nothing. The next renewal has them."""
 MOST = 6
 """Items of a list that the stored file keeps, at even distances. Chosen: it has 200 readings of a
 log, of which each that moves moves with others."""
@@ -123,7 +121,7 @@ def thinned(value: Any) -> Any:
     comes first is rounding.
     """
     if isinstance(value, dict):
-        return {key: thinned(each) for key, each in value.items() if key not in NEWER}
+        return {key: thinned(each) for key, each in value.items()}
     if isinstance(value, list):
         if value and isinstance(value[0], str):
             value = sorted(value)

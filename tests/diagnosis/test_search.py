@@ -18,7 +18,7 @@ from sliding_block import (
 from stickslip import Cause, Parameter, Prior, Series, Table, diagnose_model, instruments, models
 from stickslip._util.note import Note
 from stickslip.diagnosis.fitting.descent import End, derivatives, finished
-from stickslip.diagnosis.fitting.options import DESCENT, SEARCH, vary
+from stickslip.diagnosis.fitting.options import DESCENT, JUMPING, SEARCH, SMOOTH, vary
 from stickslip.diagnosis.fitting.responses import responses
 from stickslip.diagnosis.fitting.search import Models, _fit_singles, _look_beside, search
 from stickslip.diagnosis.fitting.starts import recalibrated
@@ -59,6 +59,29 @@ def test_the_truth_is_found_among_many_causes_and_pairs(hidden):
     chosen = found.problem.columns([causes[k] for k in hidden])
     # 0.05 / sqrt(30 / 2) is the error of a size where nothing trades off with it.
     assert values[chosen] == pytest.approx(list(hidden.values()), abs=0.1)
+
+
+@pytest.mark.parametrize("hidden", [{3: 0.5}, {2: 0.8, 9: -0.6}], ids=["single", "pair"])
+def test_fits_of_jumping_predictions_end_once_they_cannot_lead(hidden, monkeypatch):
+    """The options of smooth predictions give the same verdict by more of them."""
+    causes, columns, model = crowd(10)
+    table = data(sum(size * columns[k] for k, size in hidden.items()), sd=0.05)
+    asked, found = [], []
+
+    def jumping(table, p):
+        asked[-1] += len(p["slope"])
+        return np.round(model(table, p), 2)
+
+    for effort in (SMOOTH, JUMPING):
+        monkeypatch.setattr("stickslip.diagnosis.fitting.problem.JUMPING", effort)
+        asked.append(0)
+        simulated = posed(table, jumping, [SLOPE, LEVEL], causes, low_fidelity=model)
+        found.append(run(simulated, 0))
+    names = tuple(sorted(f"c{k}" for k in hidden))
+    assert [each.verdict.causes for each in found] == [names, names]
+    many, few = (each.models.get(names) for each in found)
+    assert few.log_evidence == pytest.approx(many.log_evidence, abs=0.1)
+    assert asked[1] < 0.8 * asked[0]
 
 
 def test_an_option_is_varied_for_all_that_follows():

@@ -76,7 +76,7 @@ def posed(
         As for `diagnose_model`. A `predict` with the attribute `jumps` is a simulation, whose
         predictions jump and cost too much for measuring how they turn.
     low_fidelity : callable, optional
-        A cheaper `predict` for searches from afar.
+        A cheaper `predict` for searches from afar, of a simulation whose predictions jump.
     laws : callable, optional
         ``laws(problem, x)`` returns laws of a free shape as causes, at coordinates `x` of the
         recalibrated constants, for data that no listed cause explains.

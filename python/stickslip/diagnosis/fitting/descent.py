@@ -165,6 +165,10 @@ def descend(
                 break
             factor = 100.0
             continue
+        if problem.effort.early and now > cost_bound:
+            promised = float(downhill @ step_within(curvature, downhill, *room))
+            if now - 0.5 * (steps - count) * max(fall, promised) > cost_bound:
+                break  # before slopes are taken for no use
         spread = np.sqrt(np.maximum(np.diag(np.linalg.pinv(curvature)), 0.0))
         slopes = yield from derivatives(problem, x, free, residual, cheap, spread)
         exact = True

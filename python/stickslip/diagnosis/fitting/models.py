@@ -175,7 +175,7 @@ def _fit(
 def sharpened(problem: Problem, form: Form, old: Fit) -> Batched[Fit]:
     """The same fit with central derivatives, and so a better evidence."""
     spread = np.sqrt(np.maximum(np.diag(old.covariance), 0.0))
-    if problem.low_fidelity is None:  # a simulation of such a kind jumps within a narrower step
+    if problem.low_fidelity is None:  # a simulation jumps within a narrower step
         # As wide as the data leave each coordinate open by itself: with others it may be far wider.
         spread = np.maximum(np.diag(np.linalg.pinv(old.covariance)), 1.0) ** -0.5
     slopes = yield from derivatives(problem, old.x, old.free, old.residual, False, spread, True)

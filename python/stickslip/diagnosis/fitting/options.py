@@ -30,10 +30,7 @@ class Search:
     margin: float = 30.0  # cost above the best one from which a model is given up
     places: int = 9  # of a scan of a relaxed constant
     widened: float = 8.0  # how far it goes, stated sds: a wrong estimate is rarely farther off
-    # Amplitudes tried, with the usual one, about the recalibrated model, and beside the best one,
-    # where precise readings leave little room.
-    small: tuple[float, ...] = (0.15,)
-    smaller: tuple[float, ...] = (0.002, 0.02, 0.15)
+    small: tuple[float, ...] = (0.15,)  # amplitudes tried, with the usual one, about the null
     # Rounds beside leaders.
     leaders: int = 3  # looked beside in a round: with fewer a near twin is missed
     rounds: int = 4  # most of them
@@ -46,7 +43,6 @@ class Search:
     near: float = 6.0  # log posterior odds within which models are refined
     behind: float = 12.0  # log posterior odds of a promise below its leader that end a fit
     more: int = 6  # causes tried about a leader, of each kind of neighbour
-    worth: float = 2.0  # least fall of the cost that one more has to promise
     better: float = 1.0  # growth of a log-evidence, or fall of a cost, that counts as one
     pays: float = 0.5  # part of chi-square that a round leaves, far from the data, if one follows
     comfortable: float = 1.1  # chi-square per row up to which hardly more than errors is left
@@ -54,6 +50,22 @@ class Search:
     other_forms: int = 4  # models fitted with each further form of the discrepancy
     refitted: float = 0.1  # most log-evidence a reading by which it beats its linear model
     drawn: int = 4  # sets of causes whose evidence is corrected by draws
+
+
+@dataclass(frozen=True)
+class Effort:
+    """Options that depend on what predictions cost, and on whether they jump; lengths as above."""
+
+    # Amplitudes of responses about the recalibrated model, and about the further views: models that
+    # are smooth in pieces have causes without a slope at zero, and the way to a limit that binds
+    # may lead uphill. A factor of three to four apart, up to a size that surprises.
+    amplitudes: tuple[float, ...] = (0.15, 0.6, 2.0, 6.0)
+    elsewhere: tuple[float, ...] = amplitudes
+    # Beside the best model, with the usual one, where precise readings leave little room.
+    smaller: tuple[float, ...] = (0.002, 0.02, 0.15)
+    worth: float = 2.0  # least fall of the cost that one more has to promise
+    room: float = 30.0  # log odds behind the best of its form from which a promise is not fitted
+    early: bool = False  # end a fit of what is not near once it cannot lead, whatever its form
 
 
 @dataclass(frozen=True)
@@ -89,9 +101,11 @@ class Descent:
     widths: tuple[float, ...] = tuple(4.0 * 0.25**k for k in range(7))
 
 
-SEARCH, DESCENT = Search(), Descent()
+SEARCH, DESCENT, SMOOTH = Search(), Descent(), Effort()
+JUMPING = Effort(elsewhere=(0.6, 2.0), smaller=(0.15,), worth=4.0, room=12.0, early=True)
+"""Of a simulation with events: a small gain may be a jump, and a fit follows jumps for long."""
 
 
-def vary(options: Search | Descent, **changes: Any) -> None:
+def vary(options: Search | Descent | Effort, **changes: Any) -> None:
     """Change some for all that follows: ``vary(SEARCH, leaders=5)``."""
     vars(options).update(vars(replace(options, **changes)))

@@ -20,6 +20,7 @@ from stickslip._util.text import OneLine
 from stickslip.diagnosis.data.errors import Errors
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import Table
+from stickslip.diagnosis.fitting.options import JUMPING, SMOOTH, Effort
 from stickslip.diagnosis.fitting.rivals import Forward, Rivals
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
@@ -163,6 +164,11 @@ class Problem(OneLine):
     @property
     def is_long(self) -> bool:
         return len(self.y) >= MANY
+
+    @property
+    def effort(self) -> Effort:
+        """A simulation has a cheaper model: its predictions jump, and cost much."""
+        return SMOOTH if self.low_fidelity is None else JUMPING
 
     @property
     def kept(self) -> Any:

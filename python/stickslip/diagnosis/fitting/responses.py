@@ -13,14 +13,12 @@ from stickslip._util.arrays import Array, Mask
 from stickslip._util.text import OneLine
 from stickslip.diagnosis.fitting.descent import End, batches, precision_of
 from stickslip.diagnosis.fitting.forms import Form
+from stickslip.diagnosis.fitting.options import SMOOTH
 from stickslip.diagnosis.fitting.problem import FINE, LOST, Problem
 from stickslip.diagnosis.terms.cause import Cause
 
 USUAL = 0.6
-AMPLITUDES = (0.15, USUAL, 2.0, 6.0)
-"""Coordinates of amplitudes at which responses are taken, as piecewise smooth models have causes
-without a slope at zero, and the way to a limit that binds may lead uphill. Chosen: a factor of
-three to four apart, up to a size that surprises."""
+"""Coordinate of an amplitude of the size that a cause usually has. Chosen."""
 
 # A shape is tried at 1.5 standard deviations of its prior. A scan of a cause has at most so many
 # places, of simulations fewer, and so many predictions. Chosen.
@@ -78,7 +76,7 @@ class Probe:
 
 def responses(
     problem: Problem, end: End, causes: Sequence[Cause], offered: Sequence[Cause], form: Form,
-    h: Array, sizes: Sequence[float] = AMPLITUDES, cheap: bool = False,
+    h: Array, sizes: Sequence[float] = SMOOTH.amplitudes, cheap: bool = False,
     probes: Sequence[Probe] | None = None,
 ) -> list[Response]:  # fmt: skip
     """Responses of causes that are offered beside `causes`, which are fitted at `end`.

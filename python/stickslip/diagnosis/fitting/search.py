@@ -159,12 +159,19 @@ class Models:
 
     def _fitted(self, start: Start) -> Batched[Fit | None]:
         cost_bound, least = start.cost_bound, -math.inf
-        rivals = self.leaders(1, start.form)
-        if start.causes and rivals:
+        names, near = {cause.name for cause in start.causes}, _near(self) if self.best else []
+        # What is near has a fit in each form: a verdict asks for it.
+        early = self.problem.effort.early and all(fit.names != names for fit in near)
+        rivals = self.leaders(1, None if early else start.form)
+        if rivals and (start.causes or early):
             prior = self.log_prior(start.causes, start.form)
             least = self.log_posterior(rivals[0]) - prior - SEARCH.behind
             if start.form == "exact":
                 cost_bound = min(cost_bound, self.cost_bound)
+                if early and self.reaches:
+                    (best,) = self.leaders(1, "exact")
+                    worse = self.log_posterior(best) - self.log_prior(best.causes) - least
+                    cost_bound = min(cost_bound, best.cost + 2.0 * worse + SEARCH.margin)
         slopes = None if start.near is None else start.near.slopes
         with contextlib.suppress(np.linalg.LinAlgError):
             return (yield from minimise(
@@ -389,9 +396,12 @@ def _look_beside(models: Models, leader: Fit) -> None:
         if third and not more:
             continue  # looks beside each pair exchange the third
         offered = [cause for cause in models.offered if cause not in (*rest, *leader.causes)]
-        least = (_least_fall(models, leader) if third else SEARCH.worth) if more else -math.inf
+        least = problem.effort.worth if more else -math.inf
+        if third:
+            least = _least_fall(models, leader)
         tried: dict[str, int] = {}
-        sizes = (*SEARCH.smaller, USUAL) if more and leader.names == first.names else (USUAL,)
+        leads = more and leader.names == first.names
+        sizes = (*problem.effort.smaller, USUAL) if leads else (USUAL,)
         probes = _likeliest(problem, rest, end, offered, sizes)
         for response in responses(problem, end, rest, offered, metric, h, sizes, True, probes):
             name = response.cause.name
@@ -458,11 +468,13 @@ def _fit_other_forms(models: Models) -> None:
             hopes.append((models.log_posterior(hope), old, hope, better))
         hopes.sort(key=lambda hope: -hope[0])
         starts = []
-        room = SEARCH.margin + SEARCH.refitted * len(models.problem.y)
+        effort = models.problem.effort
+        room = effort.room + SEARCH.refitted * len(models.problem.y)
         for rank, (promised, old, hope, better) in enumerate(hopes):
             behind = hopes[0][0] - promised
             near = len(old.causes) < 2 and behind < SEARCH.behind
-            if better and (near or not old.causes or (rank < SEARCH.other_forms and behind < room)):
+            hopeful = rank < SEARCH.other_forms and behind < room
+            if better and (near or hopeful or not (old.causes or effort.early)):
                 starts.append(Start(name, old.causes, old.x, old, hope.h))
             elif better and len(old.causes) < 2:
                 models.add(hope)  # far behind: the linear model will do

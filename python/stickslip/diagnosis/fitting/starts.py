@@ -139,7 +139,10 @@ def first_looks(
         places.append(np.zeros(problem.size))
     views = [null.end, *run_batched(problem, [end_at(problem, (), x) for x in places])]
     fine = [cause for cause in causes if np.any(problem.fineness[problem.columns([cause])] <= FINE)]
-    every = [responses(problem, one, (), causes, soft, np.zeros(0), cheap=True) for one in views]
+    effort, every = problem.effort, list[list[Response]]()
+    for one in views:
+        sizes = effort.amplitudes if one is views[0] else effort.elsewhere
+        every.append(responses(problem, one, (), causes, soft, np.zeros(0), sizes, cheap=True))
     # Of each view, as gains about one end do not compare with those about another.
     bundles = list[tuple[Cause, list[list[Response]]]]()
     for cause in causes:
