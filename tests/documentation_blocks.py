@@ -111,9 +111,10 @@ def blocks(page: Path) -> list[Block]:
 
 
 def prose(page: Path) -> str:
-    """A page without its code blocks."""
+    """A page without its code blocks; directives stay."""
     text = page.read_text(encoding="utf-8")
-    return re.sub(r"^( *)(`{3,})(?!\{).*?^\1\2 *$", "", text, flags=re.MULTILINE | re.DOTALL)
+    block = re.compile(r"^( *)(`{3,})(\{)?.*?^\1\2 *$", re.MULTILINE | re.DOTALL)
+    return block.sub(lambda found: found[0] if found[3] else "", text)
 
 
 def prints(expected: str, got: str) -> bool:

@@ -14,6 +14,7 @@ ALL = [path for top in TOPS for path in [ROOT / top, *(ROOT / top).rglob("*")]]
 SOURCES = [path for path in ALL if not BUILT & {*path.parts}]
 
 NAME = re.compile(r"(?<![\w/.-])stickslip(?:\.[A-Za-z_]\w*)+")
+MEMBERS = re.compile(r":: (stickslip[.\w]+)\n(?: +:(?!members).*\n)* +:members: (.+)")
 LINK = re.compile(r"\]\(([^)#\s:]+)(?:#[^)]*)?\)")
 # `file: name`, `file` or `folder/`; names of files may have a star.
 PLACE = re.compile(
@@ -39,7 +40,8 @@ def is_public(name):
 
 def missing(words, folder):
     """Names of the package, and files of links, that are not there."""
-    yield from (name for name in NAME.findall(words) if not is_public(name))
+    names = [f"{of}.{name}" for of, all in MEMBERS.findall(words) for name in all.split(", ")]
+    yield from (name for name in NAME.findall(words) + names if not is_public(name))
     yield from (link for link in LINK.findall(words) if not (folder / link).exists())
 
 
