@@ -63,7 +63,7 @@ def test_the_truth_is_found_among_many_causes_and_pairs(hidden):
 
 @pytest.mark.parametrize("hidden", [{3: 0.5}, {2: 0.8, 9: -0.6}], ids=["single", "pair"])
 def test_fits_of_jumping_predictions_end_once_they_cannot_lead(hidden, monkeypatch):
-    """The options of smooth predictions give the same verdict by more of them."""
+    """The options of smooth predictions give the same verdict, and no better end, by far more."""
     causes, columns, model = crowd(10)
     table = data(sum(size * columns[k] for k, size in hidden.items()), sd=0.05)
     asked, found = [], []
@@ -80,8 +80,8 @@ def test_fits_of_jumping_predictions_end_once_they_cannot_lead(hidden, monkeypat
     names = tuple(sorted(f"c{k}" for k in hidden))
     assert [each.verdict.causes for each in found] == [names, names]
     many, few = (each.models.get(names) for each in found)
-    assert few.log_evidence == pytest.approx(many.log_evidence, abs=0.1)
-    assert asked[1] < 0.8 * asked[0]
+    assert few.log_evidence > many.log_evidence - 0.3  # a jump more or less
+    assert asked[1] < 0.6 * asked[0], asked
 
 
 def test_an_option_is_varied_for_all_that_follows():

@@ -121,6 +121,7 @@ def descend(
     longest = np.where(linear, DESCENT.linear_step, DESCENT.step)[free]
     factor, softer, fall, count = 1.0, 1.0, 0.0, 0.0
     while count < steps:
+        settled = max(DESCENT.settled, problem.effort.rough[0 if cheap else 1] * now)
         # What is prepared is not kept while other searches run.
         gram = form.weighted(form.prepared(np.column_stack([slopes, residual])), residual, h)
         curvature = gram[:-1, :-1] + precision
@@ -156,12 +157,12 @@ def descend(
             slopes = _updated(slopes, residual - made, move, problem.sd)
             x, residual, now = there, made.copy(), now - fall
             was_exact, exact, factor = exact, False, 1.0
-            if fall < DESCENT.settled and (was_exact or hoped < DESCENT.settled):
+            if fall < settled and (was_exact or hoped < settled):
                 break
             if fall > DESCENT.good * hoped:
                 continue
         elif exact:
-            if factor > 1.0 or hoped < DESCENT.settled:
+            if factor > 1.0 or hoped < settled:
                 break
             factor = 100.0
             continue

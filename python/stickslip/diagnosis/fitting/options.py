@@ -17,13 +17,15 @@ class Search:
     # The recalibrated model.
     scan: int = 128  # points of a scan of the constants
     descents: tuple[int, ...] = (12, 5, 4, 2)  # most from a scan in each stage, then as stated
+    followed: int = 4  # starts at a time; later ones only if a hill parts them from each end so far
+    between: int = 3  # places on the way at which a hill is looked for
     strata: int = 12  # of constants known in range only, in a second scan
     doubtful: float = 0.2  # p-value below which that follows: a right model pays in one case of 5
     apart: float = 0.7  # distance of starts that lead elsewhere
     same: float = 0.05  # distance below which ends are one
     rivals: int = 8  # single causes from whose constants it is fitted again
     # First looks at single causes.
-    views: int = 3  # ends about which they are looked for, with the stated constants
+    views: int = 3  # ends and stated constants about which they are looked for, with the null
     looked_at: int = 6  # starts of each whose cost is asked
     look: int = 3  # steps of a stage of a look
     longer_look: int = 10  # the same where predictions change over a small part of a shape's range
@@ -66,6 +68,9 @@ class Effort:
     worth: float = 2.0  # least fall of the cost that one more has to promise
     room: float = 30.0  # log odds behind the best of its form from which a promise is not fitted
     early: bool = False  # end a fit of what is not near once it cannot lead, whatever its form
+    # Parts of the cost whose fall ends a descent: of the cheaper model, and of the model.
+    rough: tuple[float, float] = (0.0, 0.0)
+    stuck: int = 1  # turns of coordinates and hyperparameters that may promise no more
 
 
 @dataclass(frozen=True)
@@ -102,7 +107,10 @@ class Descent:
 
 
 SEARCH, DESCENT, SMOOTH = Search(), Descent(), Effort()
-JUMPING = Effort(elsewhere=(0.6, 2.0), smaller=(0.15,), worth=4.0, room=12.0, early=True)
+JUMPING = Effort(
+    elsewhere=(0.6, 2.0), smaller=(0.15,), worth=4.0, room=12.0, early=True,
+    rough=(0.02, 0.006), stuck=0,
+)  # fmt: skip
 """Of a simulation with events: a small gain may be a jump, and a fit follows jumps for long."""
 
 

@@ -47,12 +47,12 @@ def recalibrated(problem: Problem, seed: int) -> tuple[Fit, list[End]]:
     exact = forms(problem, ["exact"])["exact"]
     count = SEARCH.scan if len(problem.constants) > 1 else SEARCH.scan // 4
     starts = list(separated(_scan(problem, count, seed), lambda x: x, SEARCH.apart))
-    best, ends = _descended(problem, exact, starts)
-    if problem.constants and lack_of_fit(problem, best.chi2, len(problem.y)) < SEARCH.doubtful:
+    fits, ends = _descended(problem, exact, starts)
+    if problem.constants and lack_of_fit(problem, fits[0].chi2, len(problem.y)) < SEARCH.doubtful:
         points = _scan(problem, SEARCH.scan, seed + 1)
-        again, more = _descended(problem, exact, _strata(problem, points))
-        best = min((best, again), key=lambda fit: fit.cost)
-        ends = sorted([*ends, *more], key=lambda end: end.cost)
+        again, more = _descended(problem, exact, _strata(problem, points), ends)
+        fits, ends = [*fits, *again], sorted([*ends, *more], key=lambda end: end.cost)
+    best = min(fits, key=lambda fit: fit.cost)
     if whole is not problem:
         exact = forms(whole, ["exact"])["exact"]
         best = finished(whole, minimise(whole, exact, (), best.x))
@@ -60,18 +60,44 @@ def recalibrated(problem: Problem, seed: int) -> tuple[Fit, list[End]]:
     return best, ends
 
 
-def _descended(problem: Problem, exact: Form, starts: Sequence[Array]) -> tuple[Fit, list[End]]:
-    """The best fit from some starts by all stages, and the ends of the softest."""
-    softest: list[End] = []
-    for stage, most in zip(DESCENT.stages, SEARCH.descents, strict=False):
-        soft = Softened(problem, *stage)
-        every = [descend(problem, soft, np.zeros(0), (), x) for x in starts[:most]]
-        ends = sorted(run_batched(problem, every), key=lambda end: end.cost)
-        distinct = list(separated(ends, lambda end: end.x, SEARCH.same))
-        softest = softest or distinct
-        starts = [end.x for end in distinct]
-    fits = [minimise(problem, exact, (), x) for x in starts[: SEARCH.descents[-1]]]
-    return min(run_batched(problem, fits), key=lambda fit: fit.cost), softest
+def _descended(
+    problem: Problem, exact: Form, starts: Sequence[Array], known: Sequence[End] = ()
+) -> tuple[list[Fit], list[End]]:
+    """Fits from some starts by all stages, the best first, and the softest's end in each valley.
+
+    Beyond the first few, a start in the valley of a known end is not followed: it would tell of the
+    valley's roughness alone.
+    """
+    first, *later = (Softened(problem, *stage) for stage in DESCENT.stages)
+    (most, *fewer, last), h, ends = SEARCH.descents, np.zeros(0), list[End]()
+    for some in np.split(starts[:most], range(SEARCH.followed, most, SEARCH.followed)):
+        parted = [x for x in some if _is_parted(problem, first, x, (*known, *ends))]
+        ends += run_batched(problem, [descend(problem, first, h, (), x) for x in parted])
+    ends, softest = _distinct(ends), list[End]()
+    for end in ends:
+        if _is_parted(problem, first, end.x, softest):
+            softest.append(end)
+    for soft, most in zip(later, fewer, strict=True):
+        every = [descend(problem, soft, h, (), end.x, begin=end) for end in ends[:most]]
+        ends = _distinct(run_batched(problem, every))
+    fits = [minimise(problem, exact, (), end.x) for end in ends[:last]]
+    return sorted(run_batched(problem, fits), key=lambda fit: fit.cost), softest
+
+
+def _distinct(ends: Sequence[End]) -> list[End]:
+    return list(separated(sorted(ends, key=lambda end: end.cost), lambda end: end.x, SEARCH.same))
+
+
+def _is_parted(problem: Problem, form: Form, x: Array, ends: Sequence[End]) -> bool:
+    """Whether the way from a point to each of some ends leads over a hill (Ursem, 1999)."""
+    free, precision = problem.free(()), precision_of(problem, ())
+    for end in ends:
+        way = x + np.linspace(0.0, 1.0, SEARCH.between + 1, endpoint=False)[:, None] * (end.x - x)
+        residual = problem.residuals(way, True)
+        costs = costs_of(form, np.zeros(0), way[:, free], precision, residual)
+        if np.max(costs[1:]) < max(costs[0], end.cost) + SEARCH.better:
+            return False
+    return True
 
 
 def _scan(problem: Problem, count: int, seed: int) -> Array:
@@ -133,11 +159,11 @@ def first_looks(
     """
     soft, robust = softened(problem, null), Softened(problem, *DESCENT.stages[-1])
     # A view has to show where it is with the stated model, not a cheaper one.
-    apart = itertools.islice(separated(ends, lambda end: end.x, SEARCH.apart), SEARCH.views - 1)
-    places = [end.x for end in apart]
-    if np.linalg.norm(null.x) > SEARCH.apart:
-        places.append(np.zeros(problem.size))
-    views = [null.end, *run_batched(problem, [end_at(problem, (), x) for x in places])]
+    softest = Softened(problem, *DESCENT.stages[0])
+    valleys = [end.x for end in ends if _is_parted(problem, softest, null.x, [end])]
+    places = [null.x, np.zeros(problem.size), *valleys]
+    apart = [*separated(places, lambda x: x, SEARCH.apart)][1 : SEARCH.views + 1]
+    views = [null.end, *run_batched(problem, [end_at(problem, (), x) for x in apart])]
     fine = [cause for cause in causes if np.any(problem.fineness[problem.columns([cause])] <= FINE)]
     effort, every = problem.effort, list[list[Response]]()
     for one in views:
