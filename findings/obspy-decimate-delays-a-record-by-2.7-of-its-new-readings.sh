@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # Expected: `decimate` keeps what happened at its time: it has no phase, or corrects the start of the trace, as `resample`
 #   of the same package and scipy's `decimate` do.
-# What happens: its low-pass filter runs forwards alone, and the start time stays: a slow pulse at 10.00 s comes at 10.28 s
-#   after a factor of 10 at 100 Hz, at 10.13 s after 5, at 10.04 s after 2: 2.2 to 2.8 of the new steps. `resample` of the
-#   same trace and scipy leave it within 1e-9 s. Two channels that are brought to one rate from 100 and 20 Hz are 0.13 s
-#   apart. The header notes the filter, not the delay; no warning.
+# What happens: its low-pass filter runs forwards alone, and the start time stays: a slow pulse at 10.00 s comes at
+#   10.28 s after a factor of 10 at 100 Hz, at 10.13 s after 5, at 10.04 s after 2: 2.2 to 2.8 of the new steps.
+#   `resample` of the same trace and scipy leave it within 1e-9 s. Two channels that are brought to one rate from 100
+#   and 20 Hz are 0.13 s apart. The header notes the filter, not the delay; no warning.
 # Package: obspy 1.5.1, scipy 1.17.1, numpy 2.4.6. Source: found by trying; the docstring speaks of a low-pass filter.
 # Who is hurt: whoever measures lags, travel times or the order of slips after decimation.
 # Instead: `filter("lowpass", ..., zerophase=True)` and `decimate(..., no_filter=True)`, or `resample` (both tried).

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Expected: weights that are all equal change nothing, as they change no line; with 1/sigma as weights, which the docstring
-#   asks for, error bars are those of a weighted fit, and R squared stays near 1 for a good one.
+# Expected: weights that are all equal change nothing, as they change no line; with 1/sigma as weights, as the docstring
+#   asks, error bars are those of a weighted fit, and R squared stays near 1 for a good one.
 # What happens: the bars are the scatter of bare residuals over a weighted matrix: equal weights of 20 (1/0.05) divide
 #   them by 20, of 0.01 multiply them by 100, and p of an intercept that is 0 goes from 0.88 to 1e-127 at 400. R squared
 #   sets weighted residuals beside bare ones: 0.999, then 0.59, and -162. `prediction_variance` leaves weights out. With a

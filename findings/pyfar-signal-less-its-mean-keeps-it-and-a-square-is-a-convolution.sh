@@ -4,7 +4,7 @@
 #   with the mean 1.5, s - s.time.mean() still has the mean 1.499; the first reading alone is 1.5 lower. `s * s` is the
 #   circular convolution, up to 1000 for a sine of 1. `TimeData` of the same readings takes all as expected.
 #   `resample` to half the rate doubles each reading, unless the signal was made with fft_norm="rms". No warning.
-# Package: pyfar 0.8.1, numpy 2.4.6, scipy 1.17.1. Source: both are documented, the operators on the page of arithmetics,
+# Package: pyfar 0.8.1, numpy 2.4.6, scipy 1.17.1. Source: both are documented, the operators on the page of arithmetic,
 #   the factor at `match_amplitude`; what a number does to a record was found by trying.
 # Who is hurt: whoever takes an offset off a recording, or puts a measured force and motion into one product.
 # Instead: the functions with domain="time", and match_amplitude="time" (both tried).
