@@ -17,7 +17,7 @@ class Search:
     # The recalibrated model.
     scan: int = 128  # points of a scan of the constants
     descents: tuple[int, ...] = (12, 5, 4, 2)  # most from a scan in each stage, then as stated
-    followed: int = 4  # starts at a time; later ones only if a hill parts them from each end so far
+    followed: int = 4  # starts of the first scan at a time; later ones only beyond a hill
     between: int = 3  # places on the way at which a hill is looked for
     strata: int = 12  # of constants known in range only, in a second scan
     doubtful: float = 0.2  # p-value below which that follows: a right model pays in one case of 5

@@ -47,10 +47,11 @@ def recalibrated(problem: Problem, seed: int) -> tuple[Fit, list[End]]:
     exact = forms(problem, ["exact"])["exact"]
     count = SEARCH.scan if len(problem.constants) > 1 else SEARCH.scan // 4
     starts = list(separated(_scan(problem, count, seed), lambda x: x, SEARCH.apart))
-    fits, ends = _descended(problem, exact, starts)
+    fits, ends = _descended(problem, exact, starts, SEARCH.followed)
     if problem.constants and lack_of_fit(problem, fits[0].chi2, len(problem.y)) < SEARCH.doubtful:
         points = _scan(problem, SEARCH.scan, seed + 1)
-        again, more = _descended(problem, exact, _strata(problem, points), ends)
+        starts = _strata(problem, points)
+        again, more = _descended(problem, exact, starts, len(starts))
         fits, ends = [*fits, *again], sorted([*ends, *more], key=lambda end: end.cost)
     best = min(fits, key=lambda fit: fit.cost)
     if whole is not problem:
@@ -61,17 +62,17 @@ def recalibrated(problem: Problem, seed: int) -> tuple[Fit, list[End]]:
 
 
 def _descended(
-    problem: Problem, exact: Form, starts: Sequence[Array], known: Sequence[End] = ()
+    problem: Problem, exact: Form, starts: Sequence[Array], together: int
 ) -> tuple[list[Fit], list[End]]:
     """Fits from some starts by all stages, the best first, and the softest's end in each valley.
 
-    Beyond the first few, a start in the valley of a known end is not followed: it would tell of the
-    valley's roughness alone.
+    So many starts are followed together. A later one in the valley of a known end is not: where the
+    model explains the data, it would tell of the valley's roughness alone.
     """
     first, *later = (Softened(problem, *stage) for stage in DESCENT.stages)
     (most, *fewer, last), h, ends = SEARCH.descents, np.zeros(0), list[End]()
-    for some in np.split(starts[:most], range(SEARCH.followed, most, SEARCH.followed)):
-        parted = [x for x in some if _is_parted(problem, first, x, (*known, *ends))]
+    for some in np.split(starts[:most], range(together, most, together)):
+        parted = [x for x in some if _is_parted(problem, first, x, ends)]
         ends += run_batched(problem, [descend(problem, first, h, (), x) for x in parted])
     ends, softest = _distinct(ends), list[End]()
     for end in ends:
