@@ -179,7 +179,9 @@ def _of_model(
     model: ForwardModel, tables: tuple[Table, ...], constants: tuple[Parameter, ...]
 ) -> dict[str, Any]:
     """A problem's share of a model: causes, predictions, and how it takes more causes."""
-    causes = model.causes
+    causes = tuple(replace(cause, parameters=_of_each_record(cause.parameters, [
+        table for table in tables if cause.table in (None, table.name)
+    ])) for cause in model.causes)  # fmt: skip
     names = [*(c.name for c in constants), *(p.name for c in causes for p in c.parameters)]
     low_fidelity = None
     if model.low_fidelity is not None:
@@ -242,6 +244,12 @@ class ForwardModel(OneLine):
     def laws(self) -> list[Cause]:
         """Causes that are laws of another shape."""
         return [cause for cause in self.causes if cause.curve]
+
+    @cached_property
+    def _starts(self) -> list[Parameter]:
+        """Parameters that have a value of their own in each record."""
+        every = (*self.uncertain, *(one for cause in self.causes for one in cause.parameters))
+        return [one for one in every if one.each_record]
 
     @cached_property
     def takes_curves(self) -> bool:
@@ -320,13 +328,13 @@ class ForwardModel(OneLine):
 
     def columns(self, table: str, names: Sequence[str]) -> dict[str, int]:
         """Columns of `names` that count for a table, by the names that the model knows."""
-        records = {constant.name for constant in self.uncertain if constant.each_record}
+        records = {start.name for start in self._starts}
         elsewhere = {name for cause in self.causes for name in cause.names
                      if cause.is_instrument and cause.table not in (None, table)}  # fmt: skip
         places = {}
         for k, name in enumerate(names):
             base, bracket, record = name.partition("[")
-            if name in elsewhere or (bracket and base in records and record != f"{table}]"):
+            if base in elsewhere or (bracket and base in records and record != f"{table}]"):
                 continue
             places[base if base in records else name] = k
         return places
@@ -343,10 +351,9 @@ class ForwardModel(OneLine):
             table = Table(conditions, np.zeros(np.shape(first)[:1]), sd=1.0, name="conditions")
             if table.own_notes:
                 raise ScenarioError(f"{table.own_notes[0]} Allowed are rows without gaps")
-        starts = [constant for constant in self.uncertain if constant.each_record]
-        middles = [start.middle for start in starts]
+        middles = [start.middle for start in self._starts]
         values = np.hstack([np.tile(middles, (len(values), 1)), values])
-        return self(table, [*(start.name for start in starts), *names], values)
+        return self(table, [*(start.name for start in self._starts), *names], values)
 
 
 def _seen(table: Table, causes: Sequence[Cause], p: Mapping[str, Array]) -> Table:
@@ -436,9 +443,9 @@ def without_effect(problem: Problem) -> list[Note]:
         notes += outside
         if outside or cause.curve:
             named |= set(cause.names)
-        elif cause.acts is not None:
-            # What an input was before its record is nothing where it begins at zero.
-            named |= set(cause.names[1:])
+        elif cause.is_instrument:
+            # What was before a record is nothing where it begins at zero, or stays at rest.
+            named |= {one.name for one in cause.parameters if not one.is_amplitude}
     for name in itertools.compress(problem.names, dead):
         if name not in named:
             notes.append(Note("without-effect", (

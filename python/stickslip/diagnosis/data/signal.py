@@ -43,13 +43,13 @@ class Signal(OneLine):
         """The same later by a time, s, and at first a part of its first value, (vectors,)."""
         return replace(self, first=self.values[:, 0] * before, late=self.late + time)
 
-    def lagged(self, time: Array, before: Array) -> Signal:
-        """Behind a first-order lag that was at rest at a part of the first value, (vectors,).
+    def lagged(self, time: Array, first: Array) -> Signal:
+        """Behind a first-order lag that is at a value at the first time, (vectors,).
 
         v' = (u - v) / time is solved exactly. A held input becomes the mean of v from each reading
         to the next, so that its momentum is right.
         """
-        gap, result, first = np.diff(self.t), self.values.copy(), self.values[:, 0] * before
+        gap, result = np.diff(self.t), self.values.copy()
         for vector in np.flatnonzero(time > 0.0):
             tau, u = time[vector], self.values[vector]
             kept = np.exp(-gap / tau)

@@ -131,7 +131,11 @@ def descend(
             promised = float(downhill @ step_within(curvature, downhill, *room))
             # Falls become smaller: each step that is left counts for half of one like these.
             if now - 0.5 * (steps - count) * max(fall, promised) > cost_bound:
-                break
+                if exact or problem.effort.early:
+                    break
+                # Those that were updated may see no way where there is one.
+                slopes, exact = (yield from derivatives(problem, x, free, residual, cheap)), True
+                continue
         fall, there, made = -np.inf, x, residual
         for dampings in (DESCENT.dampings[:1], DESCENT.dampings[1:]):
             tries = np.tile(x, (len(dampings), 1))

@@ -115,21 +115,33 @@ def lag(
     """A first-order lag, with a ``time`` constant in s, of an input or of readings in time.
 
     Between readings it takes the value as linear, and an input as a ready-made model does: as held,
-    or with ``smooth=True`` as linear. Readings are at rest before the first one. An input was the
-    part ``before`` of its first value: 0 where a log begins with the command.
+    or with ``smooth=True`` as linear. Nobody knows what was before a record, so each has a start,
+    ``before``, of its own. Of an input it is where the lag is at the first reading, as a part of
+    the largest value: 0 where a log begins with the command. Of readings it is how far the first
+    one is off, as a part of the largest distance later on: 0 where a log begins at rest.
     """
     time = Parameter(f"{name}.time", unit="s", low=0.0, high=LARGEST_ERROR * size, size=size)
+    # The parts are of one scale each: in a linear machine the two lags read the same, and one with
+    # a narrower start, or with none, would get the name of the other.
+    prior = Prior("normal", 0.0, 1.0)
+    start = Parameter(f"{name}.before", prior, low=-2.0, high=2.0, cause=False, each_record=True)
     what = f"a lag of {input or 'the readings'}"
     if input is None:
-        return Cause(name, (time,), what, read=partial(_lagged, name), table=table)
-    acts = partial(_acting, Signal.lagged, name)
-    return Cause(name, (time, _before(name)), what, table=table, input=input, acts=acts)
+        return Cause(name, (time, start), what, read=partial(_lagged, name), table=table)
+    acts = partial(_acting, _slow, name)
+    return Cause(name, (time, start), what, table=table, input=input, acts=acts)
 
 
 def _lagged(name: str, values: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
-    signal = Signal.of(_in_time(table, name).t, values, held=False)
-    time = p[f"{name}.time"][:, 0]
-    return signal.lagged(time, np.ones_like(time)).values
+    t, time = _in_time(table, name).t, p[f"{name}.time"]
+    rest = Signal.of(t, values, held=False).lagged(time[:, 0], values[:, 0]).values
+    largest = np.abs(rest - values).max(axis=1, keepdims=True)
+    fades = np.exp((t[0] - t) / np.where(time > 0.0, time, 1.0))
+    return np.asarray(rest + p[f"{name}.before"] * largest * fades)
+
+
+def _slow(signal: Signal, time: Array, before: Array) -> Signal:
+    return signal.lagged(time, before * np.abs(signal.values).max(axis=1))
 
 
 def _acting(
@@ -137,12 +149,6 @@ def _acting(
     p: dict[str, Array],
 ) -> Signal:  # fmt: skip
     return change(signal, p[f"{name}.time"][:, 0], p[f"{name}.before"][:, 0])
-
-
-def _before(name: str) -> Parameter:
-    """The part of its first value that an input had before its record."""
-    prior = Prior("normal", 0.5, 0.5)
-    return Parameter(f"{name}.before", prior, low=0.0, high=1.0, cause=False)
 
 
 def delay(
@@ -178,8 +184,9 @@ def delay(
         if times is not None or curve is not None or not isinstance(rows, slice):
             raise ScenarioError("times, curve, rows: allowed is none of them with an input")
         acts, told = partial(_acting, Signal.delayed, name), partial(_late_in_words, input)
-        parts = (parameter, _before(name))
-        return Cause(name, parts, what, table=table, input=input, acts=acts, told=told)
+        prior = Prior("normal", 0.5, 0.5)
+        first = Parameter(f"{name}.before", prior, low=0.0, high=1.0, cause=False)
+        return Cause(name, (parameter, first), what, table=table, input=input, acts=acts, told=told)
     at, curves = None, [np.arange(0)]
     if times is not None:
         check_indexes("", {"times": times, "curve": curve})
