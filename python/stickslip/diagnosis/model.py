@@ -176,12 +176,14 @@ def relaxed(constants: Sequence[Parameter]) -> list[Cause]:
 
 
 def _of_model(
-    model: ForwardModel, tables: tuple[Table, ...], constants: tuple[Parameter, ...]
-) -> dict[str, Any]:
-    """A problem's share of a model: causes, predictions, and how it takes more causes."""
-    causes = tuple(replace(cause, parameters=_of_each_record(cause.parameters, [
-        table for table in tables if cause.table in (None, table.name)
-    ])) for cause in model.causes)  # fmt: skip
+    model: ForwardModel, tables: tuple[Table, ...], constants: tuple[Parameter, ...],
+    known: tuple[Cause, ...] = (),
+) -> dict[str, Any]:  # fmt: skip
+    """A problem's share of a model: causes, predictions, and how it takes more causes.
+
+    The first causes are `known` as a problem has them.
+    """
+    causes = (*known, *(_in_records(cause, tables) for cause in model.causes[len(known) :]))
     names = [*(c.name for c in constants), *(p.name for c in causes for p in c.parameters)]
     low_fidelity = None
     if model.low_fidelity is not None:
@@ -195,7 +197,8 @@ def _of_model(
 
 def _wider(model: ForwardModel, problem: Problem, more: Sequence[Cause]) -> Problem:
     made = replace(model, causes=(*model.causes, *more))
-    return replace(problem, shortened=None, **_of_model(made, problem.tables, problem.constants))
+    share = _of_model(made, problem.tables, problem.constants, problem.causes)
+    return replace(problem, shortened=None, **share)
 
 
 def computed_tables(problem: Problem, seed: int) -> tuple[Table, ...]:
@@ -397,6 +400,14 @@ def _of_each_record(
         constants += [replace(one, name=name, cause=False, each_record=False) for name in names
                       ] if one.each_record else [one]  # fmt: skip
     return tuple(constants)
+
+
+def _in_records(cause: Cause, tables: Sequence[Table]) -> Cause:
+    """The cause with parameters of each record that it acts on, or the very one without any."""
+    if not any(one.each_record for one in cause.parameters):
+        return cause
+    mine = [table for table in tables if cause.table in (None, table.name)]
+    return replace(cause, parameters=_of_each_record(cause.parameters, mine))
 
 
 def overflows(problem: Problem) -> list[Note]:

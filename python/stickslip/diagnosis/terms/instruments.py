@@ -115,10 +115,10 @@ def lag(
     """A first-order lag, with a ``time`` constant in s, of an input or of readings in time.
 
     Between readings it takes the value as linear, and an input as a ready-made model does: as held,
-    or with ``smooth=True`` as linear. Nobody knows what was before a record, so each has a start,
-    ``before``, of its own. Of an input it is where the lag is at the first reading, as a part of
-    the largest value: 0 where a log begins with the command. Of readings it is how far the first
-    one is off, as a part of the largest distance later on: 0 where a log begins at rest.
+    or with ``smooth=True`` as linear. Nobody knows what was before a record, so each has a start of
+    its own: by ``before`` the first value is off, as a part of the largest value of an input, or
+    of the largest distance that a lag makes of readings. It is 0 at rest; an input that begins with
+    the record is off by all of its first value.
     """
     time = Parameter(f"{name}.time", unit="s", low=0.0, high=LARGEST_ERROR * size, size=size)
     # The parts are of one scale each: in a linear machine the two lags read the same, and one with
@@ -141,7 +141,7 @@ def _lagged(name: str, values: Array, _: Array, p: dict[str, Array], table: Tabl
 
 
 def _slow(signal: Signal, time: Array, before: Array) -> Signal:
-    return signal.lagged(time, before * np.abs(signal.values).max(axis=1))
+    return signal.lagged(time, signal.values[:, 0] + before * np.abs(signal.values).max(axis=1))
 
 
 def _acting(
