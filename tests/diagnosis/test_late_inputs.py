@@ -23,7 +23,7 @@ def readings(kind, late=0.0, slow=0.0, before=0.0, fine=400):
     else:
         acts = np.interp(at, T, u)
     acts = np.where(at < 0.0, before * u[0], acts)
-    rows, v, slowed = [0.0], 0.0, before * u[0]
+    rows, v, slowed = [0.0], 0.0, u[0] + before * np.abs(u).max()
     for h, each in zip(gap, acts, strict=True):
         if slow:
             kept = np.exp(-h / slow)

@@ -12,7 +12,16 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 from scipy.special import ellipk
 
-from stickslip import Prior, ScenarioError, Series, Table, diagnose_model, events, models
+from stickslip import (
+    Prior,
+    ScenarioError,
+    Series,
+    Table,
+    diagnose_model,
+    events,
+    instruments,
+    models,
+)
 from stickslip.cli.options import stated
 from stickslip.diagnosis.data.signal import Signal
 from stickslip.models.kinds import KINDS
@@ -604,28 +613,46 @@ def test_a_hidden_effect_is_named_with_its_size(name, true, model, inputs, step,
     assert low < true.known[name] < high
 
 
-@pytest.mark.parametrize(("seed", "command"), [(103, "stairs"), (104, "waves")])
-def test_a_slow_motor_that_starts_from_rest_is_left_beside_its_twin(seed, command):
-    """By exact steps of a cart of its own; in a linear model a slow sensor reads the same."""
-    draw, t = np.random.default_rng(seed), 0.02 * np.arange(200)
-    if command == "stairs":
-        u = np.repeat(draw.uniform(-4.0, 4.0, 20), 10)
-    else:
-        rates, phases = draw.uniform(0.2, 1.6, (4, 1)), draw.uniform(0.0, 6.3, (4, 1))
-        u = 1.25 * np.sin(2.0 * np.pi * rates * t + phases).sum(axis=0)
-    mass, viscous = draw.normal([2.0, 4.0], [0.1, 0.4])
-    rates = [[-viscous / mass, 3.0 / mass, 0.0], [0.0, -20.0, 20.0], [0.0, 0.0, 0.0]]
-    step, state, v = expm(0.02 * np.array(rates)), np.zeros(3), np.empty(200)
-    for k, each in enumerate(u):
-        v[k], state = state[0], step @ [*state[:2], each]
-    sd = 0.002 * float(np.std(v))
-    log = Series(t, v + sd * draw.standard_normal(200), {"command": u}, sd=sd, unit="m/s")
-    given = {"mass": (2.0, 0.1), "gain": 3.0, "viscous": (4.0, 0.4), "reads": "speed"}
-    names = {cause.name for cause in models.axis(**given).terms(log)[1]}
-    without = sorted(names - {"slow motor", "slow sensor", "late command"})
-    result = diagnose_model(models.axis(without=without, **given), log)
-    assert result.verdict.kind == "ambiguous"
-    assert set(result.verdict.causes) == {"slow motor", "slow sensor"}
+# Of linear machines: rates of the states, those by the input, and what a user states.
+LINEAR = {
+    "joint": ([[-1.7]], [84.0], {"inertia": (0.012, 6e-4), "viscous": (0.02, 0.006)}),
+    "axis": ([[0.0, 1.0], [0.0, -1.4]], [0.0, 1.04], {"mass": (1.0, 0.05), "viscous": (1.5, 0.4)}),
+    "oscillator": ([[0.0, 1.0], [-41.0, -0.6]], [0.0, 1.0],
+                   {"mass": 1.0, "stiffness": (40.0, 1.2), "viscous": (0.5, 0.15)}),
+    "thermal": ([[-1.2]], [1.02], {"capacity": (1.0, 0.05), "loss": (1.2, 0.1), "ambient": 0.0}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("begins", [(0,), (87,), (37, 231)], ids=["rest", "motion", "two"])
+@pytest.mark.parametrize("slow", ["input", "sensor"])
+@pytest.mark.parametrize("kind", LINEAR)
+@pytest.mark.daily("rest-input", "two-sensor", "axis", "thermal")
+def test_of_a_linear_machine_a_slow_input_and_a_slow_sensor_are_left_beside_each_other(
+    kind, slow, begins
+):
+    """Both read the same, wherever a log begins: by exact steps with either lag, of 0.08 s."""
+    rates, gains, stated = LINEAR[kind]
+    draw, n = np.random.default_rng(len(begins) + len(kind)), len(gains)
+    u, t = np.repeat(draw.uniform(-1.0, 1.0, 50), 10), 0.02 * np.arange(200)
+    every, states, y = np.zeros((n + 2, n + 2)), np.zeros(n + 2), []
+    every[:n, :n], every[:n, n + (slow == "sensor")], every[n, n] = rates, gains, -12.5
+    every[n, 0 if slow == "sensor" else n + 1] = 12.5
+    step = expm(0.02 * every)
+    for states[-1] in u:
+        y.append(states[n if slow == "sensor" else 0])
+        states = step @ states
+    sd = 0.003 * float(np.std(y))
+    y += sd * draw.standard_normal(500)
+    model = getattr(models, kind)(**stated)
+    key = next(iter(model.kind.inputs))
+    logs = [Series(t, y[k : k + 200], {key: u[k : k + 200]}, sd=sd) for k in begins]
+    names = {cause.name for cause in model.terms(logs)[1]}
+    sensor = ("slow sensor", "slow thermometer")[kind == "thermal"]
+    less = sorted(name for name in names if name != sensor and not name.startswith("late"))
+    lag = instruments.lag(0.05, input=key, name="slow input")
+    found = diagnose_model(getattr(models, kind)(without=less, **stated), logs, causes=[lag])
+    assert found.verdict.kind == "ambiguous"
+    assert {*found.verdict.causes} == {"slow input", sensor}
 
 
 @pytest.mark.parametrize(
