@@ -92,25 +92,13 @@ def test_a_cause_is_named_over_records_of_unequal_length_with_starts_of_their_ow
 
 
 @pytest.mark.parametrize(
-    ("name", "size", "value", "change"),
-    [
-        ("slow valve", "slow valve.time", 0.4, "lag"),
-        ("late valve", "late valve.time", 0.33, "delay"),
-        ("leak", "leak.height", -0.25, "step"),
-    ],
+    ("name", "size", "value"),
+    [("late valve", "late valve.time", 0.33), ("leak", "leak.height", -0.25)],
 )
 @pytest.mark.daily("leak")
-def test_what_an_input_suffers_is_named_with_its_size(name, size, value, change):
+def test_what_an_input_suffers_is_named_with_its_size(name, size, value):
     u = drive(3)
-    if change == "lag":
-        # By its own law, on a grid fifty times as fine.
-        fine = np.interp(np.arange(0.0, T[-1] + 1e-9, STEP / 50), T, u)
-        kept = np.exp(-STEP / 50 / value)
-        seen = lfilter([1 - kept], [1, -kept], fine, zi=[kept * fine[0]])[0][::50]
-    elif change == "delay":
-        seen = np.interp(T - value, T, u)
-    else:
-        seen = u + value * (T > 17.03)
+    seen = np.interp(T - value, T, u) if name == "late valve" else u + value * (T > 17.03)
     record = made(seed=3, u=seen)
     record = Series(T, record.y, {"u": u})
     some = {"quadratic drag", "slow valve", "late valve", name}
@@ -118,7 +106,7 @@ def test_what_an_input_suffers_is_named_with_its_size(name, size, value, change)
     assert (kind, causes) == ("named", (name,))
     low, high = result.conf_int(0.998).loc[size, ["low", "high"]]
     assert low < value < high
-    if change == "step":
+    if name == "leak":
         assert result.params.loc["leak.time", "value"] == pytest.approx(17.03, abs=STEP)
 
 

@@ -1,7 +1,5 @@
 """Periods, delays and times of events, whose predictions turn: a search has many minima there."""
 
-from functools import partial
-
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -129,8 +127,7 @@ def test_a_cause_may_state_the_fineness_of_one_of_two_amplitudes():
 @pytest.mark.parametrize("before", [0.0, 1.0])
 @pytest.mark.daily("0.0-delay")
 def test_an_input_before_its_record_is_free(cause, before):
-    make = {"lag": partial(instruments.lag, 5.0), "delay": partial(instruments.delay, size=5.0)}
-    listed = [make[kind](input="u", name=kind) for kind in make]
+    listed = [instruments.lag(5.0, input="u"), instruments.delay(size=5.0, input="u")]
     truth = {"gain": 1.0, f"{cause}.time": 6.0, f"{cause}.before": before}
     y = readings(SQUARE, listed, truth) + 0.02 * np.random.default_rng(5).standard_normal(300)
     found = diagnose_model(relaxed, Series(TIMES, y, {"u": SQUARE}, sd=0.02), [GAIN], listed)
