@@ -54,8 +54,8 @@ class Parameter:
         Whether a constant may be the cause itself, as other than stated. One that may not stays
         within 3.5 standard deviations of its prior.
     each_record : bool
-        Whether a constant has a value of its own in each `Series`, such as a start state. It is no
-        cause.
+        Whether a constant, or a shape, has a value of its own in each `Series`, such as a start
+        state. It is no cause.
     negligible : float
         Distance from `absent` below which an amplitude does nothing, in the unit.
     fineness : float
