@@ -90,8 +90,7 @@ def _with_own_errors(problem: Problem, null: Fit, seed: int) -> tuple[Problem, F
     An error that conditions share must not follow what was measured; and where the model itself
     jumps under tiny changes of its constants, that is an error too.
     """
-    level = problem.y - null.residual
-    problem = problem.with_shared_errors_at(level)
+    problem = problem.with_shared_errors_at(problem.y - null.residual)
     problem = replace(problem, simulator_noise=_simulator_noise(problem, null, seed))
     form = Models(problem, ()).forms["exact"]
     again = finished(problem, minimise(problem, form, (), null.x, slopes=null.slopes))

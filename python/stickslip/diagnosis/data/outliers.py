@@ -6,6 +6,7 @@ they are alike, far from the readings before and after them.
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Iterable
 
@@ -140,12 +141,9 @@ def _off_the_curve(
 def marks_of_none(values: Array) -> Mask:
     """Which numbers stand for no value: -9999 and the like, far beyond what all others span."""
     different = np.unique(values[np.isfinite(values)])
-    first, last = 0, len(different)
-    while first < last and _is_mark(different[first]):
-        first += 1
-    while first < last and _is_mark(different[last - 1]):
-        last -= 1
-    if last - first in (0, len(different)):
+    first = len(list(itertools.takewhile(_is_mark, different)))
+    last = len(different) - len(list(itertools.takewhile(_is_mark, different[::-1])))
+    if not 0 < last - first < len(different):
         return np.zeros(len(values), dtype=bool)
     low, high = float(different[first]), float(different[last - 1])
     # Settings may be decades apart, but on one side of zero.

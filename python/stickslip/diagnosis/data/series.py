@@ -355,9 +355,7 @@ def _from_repeats(group: Sequence[Series]) -> Errors:
     rows = np.array([record.y[at] for record, at in zip(group, places, strict=True)])
     away = rows - rows.mean(axis=0)
     sd = math.sqrt(float(np.sum(away**2)) / max(count * (len(group) - 1), 1))
-    if sd == 0.0:
-        return Errors(np.zeros(count), dof=0.0)
-    dof = (len(group) - 1) * freedom(away[0])
+    dof = (len(group) - 1) * freedom(away[0]) if sd else 0.0
     size = with_unit(sd, group[0].unit)
     text = f"A reading scatters by {size}, from {len(group)} repeats of a record."
     note = Note("noise-repeats", text, sd)

@@ -111,9 +111,8 @@ class Candidate(OneLine):
         more than the first.
         """
         fit, problem = self.fit, self.models.problem
-        left: dict[str, Any] = {"form": fit.form}
         if fit.form == "exact":
-            return left
+            return {"form": fit.form}
         unit, kappa = self.models.forms[fit.form].unit, fit.sizes["kappa"]
         size = fit.sizes.get("s", math.sqrt(max(kappa**2 - 1.0, 0.0)))
         sizes, lasts = {}, {}
@@ -125,7 +124,7 @@ class Candidate(OneLine):
             if fit.form == "ar1" and table.run is not None and table.order is not None:
                 spans = [np.ptp(table.order[table.run == run]) for run in np.unique(table.run)]
                 lasts[name] = fit.sizes["tau"] * float(np.median(spans))
-        left |= {"kappa": kappa, "size": sizes}
+        left: dict[str, Any] = {"form": fit.form, "kappa": kappa, "size": sizes}
         if fit.form == "ar1":
             left["correlation"] = lasts
         if fit.form == "smooth":

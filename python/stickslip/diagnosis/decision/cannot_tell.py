@@ -314,9 +314,7 @@ class _Beside:
     def _likest(self, k: int, other: str) -> tuple[float, list[int]]:
         """Share of an effect that one response of a cause can have, and the columns of that."""
         best: tuple[float, list[int]] = 0.0, []
-        for rows in self.rows[other]:
-            if not rows:
-                continue
+        for rows in filter(None, self.rows[other]):  # some have no effect that is seen
             across = self.gram[rows, k]
             if len(rows) == 1:
                 part = float(across[0] ** 2 / self.gram[rows[0], rows[0]])

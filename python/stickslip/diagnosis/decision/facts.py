@@ -21,11 +21,11 @@ from stickslip.diagnosis.decision.candidate import Candidate, frame, spread_of
 from stickslip.diagnosis.decision.cannot_tell import CannotTell, cannot_tell
 from stickslip.diagnosis.decision.gain import Gain
 from stickslip.diagnosis.decision.misfit_test import MisfitTest, goodness_of_fit
-from stickslip.diagnosis.decision.posterior import Posterior, posterior, share
+from stickslip.diagnosis.decision.posterior import Posterior, posterior
 from stickslip.diagnosis.decision.verdict import Verdict
 from stickslip.diagnosis.fitting.problem import LOST, Problem
 from stickslip.diagnosis.fitting.responses import Response
-from stickslip.diagnosis.fitting.rivals import Forward, Rivals
+from stickslip.diagnosis.fitting.rivals import Rivals
 from stickslip.diagnosis.fitting.search import Models
 from stickslip.diagnosis.terms.words import Words
 from stickslip.errors import ScenarioError
@@ -110,11 +110,6 @@ class Facts:
     def words(self) -> Words:
         """Names of causes and parameters in words."""
         return Words(self.problem.words, self.problem.causes)
-
-    @property
-    def forward(self) -> Forward | None:
-        """Of a model of one's own, to predict at new conditions; see `Forward`."""
-        return self.problem.forward
 
     @property
     def rivals(self) -> Rivals:
@@ -227,10 +222,9 @@ class Facts:
         rows = []
         for fit in fits:
             plain = models.get(fit.names) or fit
-            taken = share(models, fit) if fit.causes else 0.0
             rows.append(
                 (fit.log_evidence - none, self.chance.models[fit.name], plain.chi2,
-                 goodness_of_fit(self.problem, plain), fit.form, taken)
+                 goodness_of_fit(self.problem, plain), fit.form, Candidate(fit, models).share)
             )  # fmt: skip
         return frame("candidate", [fit.name for fit in fits], rows, columns)
 
@@ -403,9 +397,10 @@ class Facts:
 
     def _predicted(self, candidate: Candidate, at: Any) -> Array:
         """Readings at new conditions for the values of a candidate, (values, conditions)."""
-        if self.forward is None:
+        forward = self.problem.forward
+        if forward is None:
             raise ScenarioError("predict: this model was given without a way to new conditions")
-        return np.asarray(self.forward(at, candidate.values()))
+        return np.asarray(forward(at, candidate.values()))
 
     def _told_apart(self, every_member: bool) -> tuple[list[Candidate], list[tuple[int, int]]]:
         """Models to tell apart, and which of them from which.

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeVar
@@ -57,13 +59,8 @@ class Posterior(OneLine):
 
     def smallest_set(self) -> list[Fit]:
         """The most probable models that have 95 % together."""
-        total, members = 0.0, []
-        for fit in self.fits:
-            members.append(fit)
-            total += self.models[fit.name]
-            if total >= SURE:
-                break
-        return members
+        before = itertools.accumulate((self.models[fit.name] for fit in self.fits), initial=0.0)
+        return [fit for fit, chance in zip(self.fits, before, strict=False) if chance < SURE]
 
     def among_small(self, fit: Fit) -> float:
         """Probability of a model among those with as many causes at most."""
@@ -85,14 +82,13 @@ def posterior(models: Models) -> Posterior:
         if fit.swaps(first) and abs(cosine_of_swap(models, first, fit)) > ALIKE:
             weights[key] = top - 0.5 * (top - weights[key])
     total = float(logsumexp(list(weights.values())))
-    by_set: dict[frozenset[str], float] = {}
-    best: dict[frozenset[str], tuple[float, Fit]] = {}
-    for key, weight in sorted(weights.items(), key=lambda item: sorted(item[0][0])):
-        by_set[key[0]] = by_set.get(key[0], 0.0) + math.exp(weight - total)
-        if key[0] not in best or weight > best[key[0]][0]:
-            best[key[0]] = weight, models.best[key]
-    order = _ordered(by_set)
-    fits = tuple(best[names][1] for names in order)
+    by_set = defaultdict[frozenset[str], float](float)
+    for (names, _), weight in sorted(weights.items(), key=lambda item: sorted(item[0][0])):
+        by_set[names] += math.exp(weight - total)
+    best: dict[frozenset[str], Fit] = {}
+    for key in sorted(weights, key=weights.__getitem__, reverse=True):
+        best.setdefault(key[0], models.best[key])
+    fits = tuple(best[names] for names in _ordered(by_set))
     causes = {cause.name: 0.0 for cause in models.offered}
     for names, chance in by_set.items():
         for name in names:
@@ -137,9 +133,8 @@ def share(models: Models, fit: Fit) -> float:
     """
     if fit.form == "exact" and goodness_of_fit(models.problem, fit) >= GOF_LEVEL:
         return 1.0
-    whole, left = (_left(models, names) for names in (frozenset[str](), fit.names))
-    if fit.form != "exact":
-        left = discrepancy(fit)
+    whole = _left(models, frozenset())
+    left = _left(models, fit.names) if fit.form == "exact" else discrepancy(fit)
     if math.isnan(left) or math.isnan(whole):
         return math.nan
     return min(max(1.0 - left / whole, 0.0), 1.0) if whole > 0.0 else 0.0

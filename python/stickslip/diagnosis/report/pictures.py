@@ -56,7 +56,7 @@ class Plots:
     """Pictures of a diagnosis, each a matplotlib figure."""
 
     def __init__(self, facts: Facts) -> None:
-        self._facts = facts
+        self._facts, self._tables = facts, facts.problem.tables
 
     @matplotlib.rc_context(PLAIN)
     def fit(self, table: int = 0) -> Figure | None:
@@ -190,8 +190,7 @@ class Plots:
             return 0
         chi2 = [problem.chi2_of_tables(model.fit.residual[None, :])[:, 0] for model in models]
         fall = chi2[0] - chi2[1] if len(chi2) > 1 else chi2[0]
-        drawable = [table.drawable for table in self._tables]
-        return int(np.argmax(np.where(drawable, fall, -np.inf))) if any(drawable) else 0
+        return int(np.argmax(np.where([one.drawable for one in self._tables], fall, -np.inf)))
 
     @cached_property
     def _predicted(self) -> dict[str, Array]:
@@ -199,10 +198,6 @@ class Plots:
         if subject is not None and "extended" not in curves:
             curves["nearest"] = self._facts.problem.y - subject.residual
         return curves
-
-    @property
-    def _tables(self) -> Sequence[Table]:
-        return self._facts.problem.tables
 
     def _between(self, panel: Panel, rows: Indices) -> tuple[Array, dict[str, tuple[Array, Array]]]:
         """Places along a setting with predictions and their sd; none where a model has none.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
-from typing import Any, Literal, NamedTuple, TypedDict
+from typing import Any, Literal, TypedDict
 
 import numpy as np
 
@@ -57,13 +57,6 @@ def numbers(facts: Facts) -> Numbers:
     }  # fmt: skip
 
 
-class _Region(NamedTuple):
-    """Rows of a table, (count,), and the words for their settings."""
-
-    rows: Mask
-    words: list[str]
-
-
 def _pattern(facts: Facts, residual: Array) -> dict[str, Any] | None:
     """The settings at which the recalibrated model misses most, how many readings, and their sign.
 
@@ -76,23 +69,23 @@ def _pattern(facts: Facts, residual: Array) -> dict[str, Any] | None:
         left, settings = z[one.rows], one.table.named_settings
         few = far_readings(left)
         if few.any() and np.sum(left[few] ** 2) > _MOST_OF_IT * np.sum(z**2):
-            found = one, _Region(few, _few_in_words(settings, problem.y[one.rows], few))
+            found = one, few, _few_in_words(settings, problem.y[one.rows], few)
             break
-        for region in _regions(settings, len(left)):
-            lead = _lead(left, region.rows) - _A_WORD * len(region.words)
+        for rows, words in _regions(settings, len(left)):
+            lead = _lead(left, rows) - _A_WORD * len(words)
             if lead > best:
-                best, found = lead, (one, region)
+                best, found = lead, (one, rows, words)
     if found is None:
         return None
-    one, region = found
-    some = z[one.rows][region.rows]
+    one, rows, words = found
+    some = z[one.rows][rows]
     square = float(np.sum(some**2))
     up = float(np.sum(some[some > 0.0] ** 2)) / square
     side: Side = "above" if up > _ONE_SIDED else "below" if up < 1.0 - _ONE_SIDED else "both"
     return {
-        "table": one.name, "where": ", ".join(region.words), "side": side,
+        "table": one.name, "where": ", ".join(words), "side": side,
         "readings": len(some), "of": len(one.table.mean), "share": square / float(np.sum(z**2)),
-        "mean": float(np.mean(residual[one.rows][region.rows])), "unit": one.table.unit_of(0),
+        "mean": float(np.mean(residual[one.rows][rows])), "unit": one.table.unit_of(0),
     }  # fmt: skip
 
 
@@ -117,8 +110,8 @@ def _few_in_words(settings: Settings, values: Array, few: Mask) -> list[str]:
     return [*readings[:MOST_NAMED], *(["..."] if len(rows) > MOST_NAMED else [])]
 
 
-def _regions(settings: Settings, count: int) -> Iterator[_Region]:
-    """Parts of the settings' range: values of words, and ranges of numbers."""
+def _regions(settings: Settings, count: int) -> Iterator[tuple[Mask, list[str]]]:
+    """Parts of the settings' range, rows and words: values of words, and ranges of numbers."""
     wording = [name for name in settings.varied if settings.is_word(name)]
     groups: dict[tuple[str, ...], Mask] = {(): np.ones(count, dtype=bool)}
     for names in [*([name] for name in wording), wording]:
@@ -127,11 +120,11 @@ def _regions(settings: Settings, count: int) -> Iterator[_Region]:
             key = tuple(settings.text(*pair) for pair in zip(names, value, strict=True))
             groups.setdefault(key, np.zeros(count, dtype=bool))[row] = True
     for key, rows in groups.items():
-        yield _Region(rows, list(key))
+        yield rows, list(key)
         for name in set(settings.varied).difference(wording):
             at = np.asarray(settings[name][0], dtype=float)
             ends = np.unique(np.quantile(at, np.linspace(0.0, 1.0, _ENDS), method="nearest"))
             for low, high in itertools.combinations_with_replacement(ends.tolist(), 2):
                 if (low, high) != (ends[0], ends[-1]):
                     words = [*key, settings.text(name, low, high)]
-                    yield _Region(rows & (at >= low) & (at <= high), words)
+                    yield rows & (at >= low) & (at <= high), words
