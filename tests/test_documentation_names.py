@@ -40,7 +40,7 @@ def is_public(name):
 
 def missing(words, folder):
     """Names of the package, and files of links, that are not there."""
-    names = [f"{of}.{name}" for of, all in MEMBERS.findall(words) for name in all.split(", ")]
+    names = [f"{of}.{name}" for of, every in MEMBERS.findall(words) for name in every.split(", ")]
     yield from (name for name in NAME.findall(words) + names if not is_public(name))
     yield from (link for link in LINK.findall(words) if not (folder / link).exists())
 

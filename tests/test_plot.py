@@ -77,10 +77,6 @@ def outlines(axes):
     return [each.get_xy()[:4] for each in axes.patches if isinstance(each, Polygon)]
 
 
-def angle_of(arrow):
-    return math.atan2(*(arrow[1] - arrow[0])[::-1])
-
-
 @pytest.mark.parametrize("draw", EACH.values(), ids=EACH)
 @pytest.mark.parametrize("name", RUNS)
 def test_every_run_is_drawn_and_rounding_is_not_its_scale(name, draw):
@@ -196,7 +192,7 @@ def test_the_view_from_above_has_the_path_and_arrows_that_point_to_the_heading(n
     moment, *along = arrows(above)
     samples = [np.hypot(*(places - begin).T).argmin() for begin, _ in along]
     for sample, arrow in [*zip(samples, along, strict=True), (-1, moment)]:
-        turned = angle_of(arrow) - heading[sample]
+        turned = math.atan2(*(arrow[1] - arrow[0])[::-1]) - heading[sample]
         assert math.remainder(turned, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-9)
     assert along
     for axes, values in ((height, run.z * 1e6), (pitch, np.degrees(run.theta))):

@@ -18,10 +18,6 @@ from stickslip import (
 )
 
 
-def core_blocks(scenario):
-    return [(t.tolist(), v.tolist(), n) for t, v, n in scenario.to_core().program().blocks]
-
-
 def blocks(waveform):
     return [(t.tolist(), v.tolist(), n) for t, v, n in waveform.blocks]
 
@@ -36,7 +32,8 @@ def test_builders_give_every_breakpoint_of_the_drive_modes(mode, clamp, edge, ed
               "pulses": 7, "edge": edge, "edge_time": edge_time, "ramp_down": 0.1,
               "clamp": clamp, "direction": direction}  # fmt: skip
     made = (Waveform.ipp if mode == "IPP" else Waveform.opp)(coil=coil, **fields)
-    assert blocks(made) == core_blocks(Scenario(drive=Drive(mode=mode, **fields), coil=coil))
+    core = Scenario(drive=Drive(mode=mode, **fields), coil=coil).to_core()
+    assert blocks(made) == [(t.tolist(), v.tolist(), n) for t, v, n in core.program().blocks]
     top = edge_time if edge == "rise" else 1.0 / 40.0 - edge_time
     in_plane, forward = mode == "IPP", direction == "+x"
     expected = [

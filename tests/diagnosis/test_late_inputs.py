@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from stickslip import Series, diagnose_model, events, instruments, models
 from stickslip.diagnosis.model import ForwardModel
@@ -58,6 +59,20 @@ def test_a_ready_made_model_is_told_when_an_input_acts(kind, late, slow):
         near = near if not slow else 3e-4 if kind == "held" else 2e-2
         assert made[0] == pytest.approx(readings(kind, late, slow, 0.3), abs=near)
         assert np.array_equal(made[1], joint.simulate(T, {"torque": INPUTS[kind]}))
+
+
+def test_a_slow_sensor_begins_off_by_a_part_of_what_it_lags():
+    u, kept = INPUTS["smooth"], np.exp(-STEP / 400 / 0.05)
+    fine = np.interp(np.linspace(0.0, T[-1], 199 * 400 + 1), T, u)
+    rest = lfilter([1 - kept], [1, -kept], fine, zi=[kept * fine[0]])[0][::400]
+    lost = np.where(np.arange(200) == 150, np.nan, u)
+    slow = ForwardModel(lambda table, p: lost[None], None, (), (instruments.lag(0.05),))
+    names = ["lag.time", "lag.before[a]", "lag.before[b]"]
+    values = np.array([[0.05, 0.9, -0.7], [0.0, 0.9, -0.7]])
+    made = slow(Series(T, u, {"u": u}, name="b"), names, values)
+    off = -0.7 * np.abs(rest - u)[:150].max() * np.exp(-T / 0.05)
+    assert made[0, :150] == pytest.approx((rest + off)[:150], abs=1e-3)
+    assert np.array_equal(made[1], lost, equal_nan=True)
 
 
 @pytest.mark.parametrize("late", [0.0, 0.0031])

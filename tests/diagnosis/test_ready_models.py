@@ -12,16 +12,8 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 from scipy.special import ellipk
 
-from stickslip import (
-    Prior,
-    ScenarioError,
-    Series,
-    Table,
-    diagnose_model,
-    events,
-    instruments,
-    models,
-)
+import stickslip
+from stickslip import Prior, ScenarioError, Series, Table, diagnose_model, events, models
 from stickslip.cli.options import stated
 from stickslip.diagnosis.data.signal import Signal
 from stickslip.models.kinds import KINDS
@@ -629,15 +621,15 @@ def test_no_log_tells_a_slow_input_from_a_slow_sensor(kind, rates, gains, stated
     whole, states, y = np.zeros((n + 2, n + 2)), np.zeros(n + 2), []
     whole[:n, :n], whole[:n, n], whole[n, n:] = rates, gains, (-12.5, 12.5)
     step = expm(0.02 * whole)
-    for states[-1] in u:
+    for each in u:
         y.append(states[0])
-        states = step @ states
+        states = step @ [*states[:-1], each]
     sd = 0.003 * float(np.std(y))
     y += sd * draw.standard_normal(500)
     model = make(**stated)
     key, sensor = next(iter(model.kind.inputs)), model.kind.sensors[-1].name
     logs = [Series(t, y[k : k + 200], {key: u[k : k + 200]}, sd=sd) for k in begins]
-    slow = instruments.lag(0.05, input=key, name="slow input")
+    slow = stickslip.instruments.lag(0.05, input=key, name="slow input")
     less = [one.name for one in model.terms(logs)[1] if one.name not in (sensor, f"late {key}")]
     verdict = diagnose_model(make(without=less, **stated), logs, causes=[slow]).verdict
     assert (verdict.kind, {*verdict.causes}) == ("ambiguous", {"slow input", sensor})

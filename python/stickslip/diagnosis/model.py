@@ -331,21 +331,20 @@ class ForwardModel(OneLine):
 
     def columns(self, table: str, names: Sequence[str]) -> dict[str, int]:
         """Columns of `names` that count for a table, by the names that the model knows."""
-        records = {start.name for start in self._starts}
         elsewhere = {name for cause in self.causes for name in cause.names
                      if cause.is_instrument and cause.table not in (None, table)}  # fmt: skip
         places = {}
         for k, name in enumerate(names):
-            base, bracket, record = name.partition("[")
-            if base in elsewhere or (bracket and base in records and record != f"{table}]"):
-                continue
-            places[base if base in records else name] = k
+            starts = (one.name for one in self._starts if name.startswith(f"{one.name}["))
+            base = next(starts, name)
+            if base not in elsewhere and name in (base, f"{base}[{table}]"):
+                places[base] = k
         return places
 
     def of_new(self, names: Sequence[str], conditions: Any, values: Array) -> Array:
         """Readings of a table, or of settings, that were not measured, (vectors, rows).
 
-        A record of another name begins at the middles of its start states.
+        A record of another name begins at the middles of its starts.
         """
         table = conditions
         if not isinstance(table, Table):
@@ -403,10 +402,11 @@ def _of_each_record(
 
 
 def _in_records(cause: Cause, tables: Sequence[Table]) -> Cause:
-    """The cause with parameters of each record that it acts on, or the very one without any."""
-    if not any(one.each_record for one in cause.parameters):
-        return cause
+    """The cause with parameters of each record; tables that are none are refused elsewhere."""
     mine = [table for table in tables if cause.table in (None, table.name)]
+    known = all(isinstance(table, Series) for table in mine)
+    if not known or not any(one.each_record for one in cause.parameters):
+        return cause
     return replace(cause, parameters=_of_each_record(cause.parameters, mine))
 
 
@@ -456,7 +456,7 @@ def without_effect(problem: Problem) -> list[Note]:
             named |= set(cause.names)
         elif cause.is_instrument:
             # What was before a record is nothing where it begins at zero, or stays at rest.
-            named |= {one.name for one in cause.parameters if not one.is_amplitude}
+            named |= {one.name for one in cause.parameters if not (one.is_amplitude or one.cause)}
     for name in itertools.compress(problem.names, dead):
         if name not in named:
             notes.append(Note("without-effect", (

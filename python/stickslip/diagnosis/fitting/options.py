@@ -25,7 +25,7 @@ class Search:
     same: float = 0.05  # distance below which ends are one
     rivals: int = 8  # single causes from whose constants it is fitted again
     # First looks at single causes.
-    views: int = 3  # ends and stated constants about which they are looked for, with the null
+    views: int = 3  # ends and stated constants about which they are looked for, beside the null
     looked_at: int = 6  # starts of each whose cost is asked
     look: int = 3  # steps of a stage of a look
     longer_look: int = 10  # the same where predictions change over a small part of a shape's range
@@ -67,9 +67,9 @@ class Effort:
     smaller: tuple[float, ...] = (0.002, 0.02, 0.15)
     worth: float = 2.0  # least fall of the cost that one more has to promise
     room: float = 30.0  # log odds behind the best of its form from which a promise is not fitted
-    early: bool = False  # end a fit of what is not near once it cannot lead, whatever its form
-    # Parts of the cost whose fall ends a descent: of the cheaper model, and of the model.
-    rough: tuple[float, float] = (0.0, 0.0)
+    # End a fit of what is not near, of any form, once its slopes as they are promise no lead.
+    early: bool = False
+    rough: tuple[float, float] = (0.0, 0.0)  # falls that end a descent, of its cost, cheap or not
     stuck: int = 1  # turns of coordinates and hyperparameters that may promise no more
 
 

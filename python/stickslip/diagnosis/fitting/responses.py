@@ -141,7 +141,11 @@ def _probes(problem: Problem, cause: Cause, sizes: Sequence[float]) -> list[Prob
     signs = (1.0,) if all(0.0 in (low[k], high[k]) for k in moved) else (1.0, -1.0)
     fine = [k for k in columns if problem.fineness[k] <= FINE and (k in shapes or moved == [k])]
     usual = {k: np.unique(np.clip(_SHAPES, low[k], high[k])).tolist() for k in shapes}
-    grid = [_places(problem, fine, k) if k in fine else usual[k] for k in shapes]
+    together: dict[str, list[int]] = {}  # starts in several records have one place
+    for k in shapes:
+        start, bracket, record = problem.names[k].rpartition("[")
+        together.setdefault(start if bracket and record[-1] == "]" else record, []).append(k)
+    grid = [_places(problem, fine, k) if k in fine else usual[k] for k, *_ in together.values()]
     if fine:
         sizes, signs = (USUAL,), (1.0,)
     if len(moved) > 1:
@@ -153,8 +157,10 @@ def _probes(problem: Problem, cause: Cause, sizes: Sequence[float]) -> list[Prob
     if moved and moved[0] in fine:
         # An amplitude that turns its effect is looked through like a shape.
         amounts = [[place] for place in _places(problem, fine, moved[0]) if place != 0.0]
-    return [Probe(cause, moved, amount, dict(zip(shapes, shape, strict=True)))
-            for shape in itertools.product(*grid) for amount in amounts]  # fmt: skip
+    return [Probe(cause, moved, amount, {k: place for ks, place in at for k in ks})
+            for shape in itertools.product(*grid)
+            for at in [[*zip(together.values(), shape, strict=True)]]
+            for amount in amounts]  # fmt: skip
 
 
 def within(size: float, low: float, high: float) -> float:

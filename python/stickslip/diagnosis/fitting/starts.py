@@ -66,8 +66,8 @@ def _descended(
 ) -> tuple[list[Fit], list[End]]:
     """Fits from some starts by all stages, the best first, and the softest's end in each valley.
 
-    So many starts are followed together. A later one in the valley of a known end is not: where the
-    model explains the data, it would tell of the valley's roughness alone.
+    So many starts, `together`, are followed at a time, and a later one only where a hill parts it
+    from all ends: a valley's further ends differ by its roughness alone.
     """
     first, *later = (Softened(problem, *stage) for stage in DESCENT.stages)
     (most, *fewer, last), h, ends = SEARCH.descents, np.zeros(0), list[End]()
@@ -93,10 +93,10 @@ def _is_parted(problem: Problem, form: Form, x: Array, ends: Sequence[End]) -> b
     """Whether the way from a point to each of some ends leads over a hill (Ursem, 1999)."""
     free, precision = problem.free(()), precision_of(problem, ())
     for end in ends:
-        way = x + np.linspace(0.0, 1.0, SEARCH.between + 1, endpoint=False)[:, None] * (end.x - x)
+        way = x + np.linspace(0.0, 1.0, SEARCH.between + 2)[:, None] * (end.x - x)
         residual = problem.residuals(way, True)
         costs = costs_of(form, np.zeros(0), way[:, free], precision, residual)
-        if np.max(costs[1:]) < max(costs[0], end.cost) + SEARCH.better:
+        if np.max(costs[1:-1]) < max(costs[0], costs[-1]) + SEARCH.better:
             return False
     return True
 

@@ -116,9 +116,8 @@ def lag(
 
     Between readings it takes the value as linear, and an input as a ready-made model does: as held,
     or with ``smooth=True`` as linear. Nobody knows what was before a record, so each has a start of
-    its own: by ``before`` the first value is off, as a part of the largest value of an input, or
-    of the largest distance that a lag makes of readings. It is 0 at rest; an input that begins with
-    the record is off by all of its first value.
+    its own: by ``before`` the first value is off, as a part of the largest value of an input (-1:
+    it begins with the record), or of the largest distance of readings from those after a rest.
     """
     time = Parameter(f"{name}.time", unit="s", low=0.0, high=LARGEST_ERROR * size, size=size)
     # The parts are of one scale each: in a linear machine the two lags read the same, and one with
@@ -135,7 +134,7 @@ def lag(
 def _lagged(name: str, values: Array, _: Array, p: dict[str, Array], table: Table) -> Array:
     t, time = _in_time(table, name).t, p[f"{name}.time"]
     rest = Signal.of(t, values, held=False).lagged(time[:, 0], values[:, 0]).values
-    largest = np.abs(rest - values).max(axis=1, keepdims=True)
+    largest = np.nan_to_num(np.abs(rest - values)).max(axis=1, keepdims=True)
     fades = np.exp((t[0] - t) / np.where(time > 0.0, time, 1.0))
     return np.asarray(rest + p[f"{name}.before"] * largest * fades)
 
