@@ -121,7 +121,7 @@ def descend(
     longest = np.where(linear, DESCENT.linear_step, DESCENT.step)[free]
     factor, softer, fall, count = 1.0, 1.0, 0.0, 0.0
     while count < steps:
-        settled = max(DESCENT.settled, problem.effort.rough[0 if cheap else 1] * now)
+        settled = max(DESCENT.settled, problem.effort.rough * now if cheap else 0.0)
         # What is prepared is not kept while other searches run.
         gram = form.weighted(form.prepared(np.column_stack([slopes, residual])), residual, h)
         curvature = gram[:-1, :-1] + precision

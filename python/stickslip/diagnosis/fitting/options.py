@@ -69,7 +69,7 @@ class Effort:
     room: float = 30.0  # log odds behind the best of its form from which a promise is not fitted
     # End a fit of what is not near, of any form, once its slopes as they are promise no lead.
     early: bool = False
-    rough: tuple[float, float] = (0.0, 0.0)  # falls that end a descent, of its cost, cheap or not
+    rough: float = 0.0  # part of the cost whose fall ends a descent of the cheaper model
     stuck: int = 1  # turns of coordinates and hyperparameters that may promise no more
 
 
@@ -109,7 +109,7 @@ class Descent:
 SEARCH, DESCENT, SMOOTH = Search(), Descent(), Effort()
 JUMPING = Effort(
     elsewhere=(0.6, 2.0), smaller=(0.15,), worth=4.0, room=12.0, early=True,
-    rough=(0.02, 0.006), stuck=0,
+    rough=0.02, stuck=0,
 )  # fmt: skip
 """Of a simulation with events: a small gain may be a jump, and a fit follows jumps for long."""
 
