@@ -121,7 +121,8 @@ def descend(
     longest = np.where(linear, DESCENT.linear_step, DESCENT.step)[free]
     factor, softer, fall, count = 1.0, 1.0, 0.0, 0.0
     while count < steps:
-        settled = max(DESCENT.settled, problem.effort.rough * now if cheap else 0.0)
+        missed = now if cheap else now - form.n
+        settled = max(DESCENT.settled, problem.effort.rough * missed)
         # What is prepared is not kept while other searches run.
         gram = form.weighted(form.prepared(np.column_stack([slopes, residual])), residual, h)
         curvature = gram[:-1, :-1] + precision

@@ -49,6 +49,7 @@ class Search:
     pays: float = 0.5  # part of chi-square that a round leaves, far from the data, if one follows
     comfortable: float = 1.1  # chi-square per row up to which hardly more than errors is left
     explains: float = 0.01  # p-value from which on two causes leave nothing to a third
+    rare: float = 0.05  # chance of noise as small as a further cause needs to lead
     other_forms: int = 4  # models fitted with each further form of the discrepancy
     refitted: float = 0.1  # most log-evidence a reading by which it beats its linear model
     drawn: int = 4  # sets of causes whose evidence is corrected by draws
@@ -69,7 +70,9 @@ class Effort:
     room: float = 30.0  # log odds behind the best of its form from which a promise is not fitted
     # End a fit of what is not near, of any form, once its slopes as they are promise no lead.
     early: bool = False
-    rough: float = 0.0  # part of the cost whose fall ends a descent of the cheaper model
+    # Part of the cost whose fall ends a descent of the cheaper model; of whole runs, part of the
+    # cost beyond one unit a row, as what explains the data is compared by where it ends.
+    rough: float = 0.0
     stuck: int = 1  # turns of coordinates and hyperparameters that may promise no more
 
 

@@ -353,17 +353,19 @@ def _least_fall(models: Models, leader: Fit) -> float:
 
 
 def _leaves_too_little(models: Models, leader: Fit) -> bool:
-    """Whether no further cause could lead, even one that explains all that the leader leaves.
+    """Whether a further cause could lead only by fitting better than right models do.
 
-    Its log-evidence would be half the cost larger, and ln 2 where it has one side only. A third
-    cause is tried only where two leave a misfit.
+    Its log-evidence would be half the fall of the cost larger, and ln 2 where it has one side only.
+    A third cause is tried only where two leave a misfit.
     """
     plain, problem = models.get(leader.names), models.problem
     if plain is None:
         return False
     p_value = lack_of_fit(problem, plain.chi2, len(problem.y) - len(plain.free))
     explains = len(leader.causes) > 1 and p_value >= SEARCH.explains
-    return explains or plain.cost + 2.0 * math.log(2.0) < _least_fall(models, leader)
+    leads = plain.cost + 2.0 * math.log(2.0) - _least_fall(models, leader)
+    # Misfit and prior of a right model are as likely as the misfit of so many readings.
+    return explains or 1.0 - lack_of_fit(problem, leads, len(problem.y)) < SEARCH.rare
 
 
 def _differs_by_a_factor(problem: Problem, leader: Fit) -> bool:
@@ -389,8 +391,9 @@ def _look_beside(models: Models, leader: Fit) -> None:
         x[problem.columns([cause])] = 0.0
     at = [end_at(problem, *pair) for pair in zip(smaller, points, strict=True)]
     bases += zip(smaller, run_batched(problem, at), strict=True)
-    starts = [Start(leader.form, rest, end.x, end) for rest, end in bases
-              if rest != leader.causes]  # fmt: skip
+    nested, starts = list[Start](), [
+        Start(leader.form, rest, end.x, end) for rest, end in bases if rest != leader.causes
+    ]
     for rest, end in bases:
         more, third = rest == leader.causes, len(rest) > 1
         if third and not more:
@@ -413,9 +416,20 @@ def _look_beside(models: Models, leader: Fit) -> None:
             both, hyper = (*rest, response.cause), h if metric.names else None
             starts.append(Start(leader.form, both, response.x, response, hyper, cost_bound))
             if more and tried[name] == 1:
-                # Nested: never worse than what it contains.
-                starts.append(replace(starts[-1], x=leader.x))
+                nested.append(replace(starts[-1], x=leader.x))
     models.add_fits(starts)
+    # No model is worse than what it contains.
+    models.add_fits([start for start in nested if _is_behind(models, leader, start)])
+
+
+def _is_behind(models: Models, leader: Fit, start: Start) -> bool:
+    """Whether a model with a cause more than a leader fits worse than that, or has no fit."""
+    fit = models.get((cause.name for cause in start.causes), leader.form)
+    if fit is None:
+        return True
+    form, x = models.forms[leader.form], fit.x[None, fit.free]
+    cost = costs_of(form, leader.h, x, fit.precision, fit.residual[None])
+    return bool(cost[0] > leader.cost + DESCENT.settled)
 
 
 def _likeliest(
