@@ -120,6 +120,12 @@ def descend(
     linear = [p.prior is not None and p.prior.kind == "normal" for p in problem.parameters]
     longest = np.where(linear, DESCENT.linear_step, DESCENT.step)[free]
     factor, softer, fall, count = 1.0, 1.0, 0.0, 0.0
+
+    def is_lost() -> bool:
+        """Whether it will not lead: each step that is left counts for half of one like these."""
+        promised = 0.0 if now <= cost_bound else downhill @ step_within(curvature, downhill, *room)
+        return bool(now - 0.5 * (steps - count) * max(fall, promised) > cost_bound)
+
     while count < steps:
         missed = now if cheap else now - form.n
         settled = max(DESCENT.settled, problem.effort.rough * missed)
@@ -128,15 +134,12 @@ def descend(
         curvature = gram[:-1, :-1] + precision
         downhill = gram[:-1, -1] - precision @ x[free]
         room = np.maximum(low - x[free], -longest), np.minimum(high - x[free], longest)
-        if count and now > cost_bound:
-            promised = float(downhill @ step_within(curvature, downhill, *room))
-            # Falls become smaller: each step that is left counts for half of one like these.
-            if now - 0.5 * (steps - count) * max(fall, promised) > cost_bound:
-                if exact or problem.effort.early:
-                    break
-                # Those that were updated may see no way where there is one.
-                slopes, exact = (yield from derivatives(problem, x, free, residual, cheap)), True
-                continue
+        if count and is_lost():
+            if exact or problem.effort.early:
+                break
+            # Those that were updated may see no way where there is one.
+            slopes, exact = (yield from derivatives(problem, x, free, residual, cheap)), True
+            continue
         fall, there, made = -np.inf, x, residual
         for dampings in (DESCENT.dampings[:1], DESCENT.dampings[1:]):
             tries = np.tile(x, (len(dampings), 1))
@@ -171,10 +174,8 @@ def descend(
                 break
             factor = 100.0
             continue
-        if problem.effort.early and now > cost_bound:
-            promised = float(downhill @ step_within(curvature, downhill, *room))
-            if now - 0.5 * (steps - count) * max(fall, promised) > cost_bound:
-                break  # before slopes are taken for no use
+        if problem.effort.early and is_lost():
+            break  # before slopes are taken for no use
         spread = np.sqrt(np.maximum(np.diag(np.linalg.pinv(curvature)), 0.0))
         slopes = yield from derivatives(problem, x, free, residual, cheap, spread)
         exact = True

@@ -147,7 +147,7 @@ def minimise(
         # still lead there.
         before, reached = reached, fit.log_evidence - 0.5 * left
         stuck = stuck + 1 if reached < before + 0.5 * _AT_MINIMUM else 0
-        stays = stuck > (problem.effort.stuck if form.names else 0)
+        stays = stuck > bool(form.names and not problem.effort.early)
         stays |= alone and end.cost > NEAR_DATA * form.n
         given_up, cost_bound = given_up or fit.log_evidence < least, math.inf
         if given_up or settled or stays:

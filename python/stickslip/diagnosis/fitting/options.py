@@ -68,12 +68,10 @@ class Effort:
     smaller: tuple[float, ...] = (0.002, 0.02, 0.15)
     worth: float = 2.0  # least fall of the cost that one more has to promise
     room: float = 30.0  # log odds behind the best of its form from which a promise is not fitted
-    # End a fit of what is not near, of any form, once its slopes as they are promise no lead.
-    early: bool = False
-    # Part of the cost whose fall ends a descent of the cheaper model; of whole runs, part of the
-    # cost beyond one unit a row, as what explains the data is compared by where it ends.
+    early: bool = False  # end fits of what is not near once slopes as they are promise no lead
+    # Part of the cost whose fall ends a descent, by whole runs of the cost beyond one unit a row:
+    # models that explain the data are compared by where they end.
     rough: float = 0.0
-    stuck: int = 1  # turns of coordinates and hyperparameters that may promise no more
 
 
 @dataclass(frozen=True)
@@ -111,9 +109,8 @@ class Descent:
 
 SEARCH, DESCENT, SMOOTH = Search(), Descent(), Effort()
 JUMPING = Effort(
-    elsewhere=(0.6, 2.0), smaller=(0.15,), worth=4.0, room=12.0, early=True,
-    rough=0.02, stuck=0,
-)  # fmt: skip
+    elsewhere=(0.6, 2.0), smaller=(0.15,), worth=4.0, room=12.0, early=True, rough=0.02
+)
 """Of a simulation with events: a small gain may be a jump, and a fit follows jumps for long."""
 
 

@@ -24,8 +24,7 @@ from stickslip.diagnosis.fitting.starts import recalibrated, seen_in, separated
 # cause. A cause that leads to the minimum may look worst where it begins. Chosen.
 _ROUNDS, _STEPS, _VIEWS, _LOOK, _FOLLOWED, _OF_CAUSE = 4, 15, 2, 4, 4, 4
 
-_SMALLEST = 1e-9
-"""Least error, in the scatter of the readings: below it is rounding."""
+_SMALLEST = 1e-9  # least error, in the scatter of the readings: below it is rounding
 
 _LESS, _CLEARLY = 0.8, 1.05
 """Part of the scatter about a smooth curve below which that of a fit shows that the readings follow

@@ -276,8 +276,7 @@ def _worth_a_look(models: Models) -> list[Fit]:
     the pair that is best with the errors as stated.
 
     A cause that is one of two may be far behind by itself, and one that is a third hidden by a
-    discrepancy. Laws are too many for that, and cost
-    most of all: if they are offered, it is the leader and models with a law alone.
+    discrepancy. Laws are too many for that: it is the leader and models with a law alone.
     """
     sets: dict[frozenset[str], Fit] = {}
     for fit in _near(models):
@@ -391,9 +390,8 @@ def _look_beside(models: Models, leader: Fit) -> None:
         x[problem.columns([cause])] = 0.0
     at = [end_at(problem, *pair) for pair in zip(smaller, points, strict=True)]
     bases += zip(smaller, run_batched(problem, at), strict=True)
-    nested, starts = list[Start](), [
-        Start(leader.form, rest, end.x, end) for rest, end in bases if rest != leader.causes
-    ]
+    starts = [Start(leader.form, rest, end.x, end) for rest, end in bases
+              if rest != leader.causes]  # fmt: skip
     for rest, end in bases:
         more, third = rest == leader.causes, len(rest) > 1
         if third and not more:
@@ -415,21 +413,10 @@ def _look_beside(models: Models, leader: Fit) -> None:
                 continue
             both, hyper = (*rest, response.cause), h if metric.names else None
             starts.append(Start(leader.form, both, response.x, response, hyper, cost_bound))
-            if more and tried[name] == 1:
-                nested.append(replace(starts[-1], x=leader.x))
+            if more and tried[name] == 1 and metric.names:
+                # Nested: never worse than what it contains; see also `_fit_exact_again`.
+                starts.append(replace(starts[-1], x=leader.x))
     models.add_fits(starts)
-    # No model is worse than what it contains.
-    models.add_fits([start for start in nested if _is_behind(models, leader, start)])
-
-
-def _is_behind(models: Models, leader: Fit, start: Start) -> bool:
-    """Whether a model with a cause more than a leader fits worse than that, or has no fit."""
-    fit = models.get((cause.name for cause in start.causes), leader.form)
-    if fit is None:
-        return True
-    form, x = models.forms[leader.form], fit.x[None, fit.free]
-    cost = costs_of(form, leader.h, x, fit.precision, fit.residual[None])
-    return bool(cost[0] > leader.cost + DESCENT.settled)
 
 
 def _likeliest(
@@ -473,8 +460,7 @@ def _fit_other_forms(models: Models) -> None:
             known = hope = models.get(old.names, name)
             # A fit beside a large discrepancy may have stayed where the cause does nothing.
             far = known is not None and known.chi2 > old.chi2 + SEARCH.margin
-            stuck = far and rank < SEARCH.other_forms
-            if known is None or stuck:
+            if known is None or (far and rank < SEARCH.other_forms):
                 hope = models.linear(old, name)
             if hope is None:
                 continue

@@ -195,8 +195,7 @@ def _promising(
 ) -> Batched[list[tuple[float, Response]]]:
     """The best start of a cause and the best one about another view, with their costs.
 
-    Responses are right to first order. A start that is better now may be where no descent leads
-    back: constants have been bent to what the cause does.
+    A start that is better to first order may be where no descent leads back, see `first_looks`.
     """
     in_turn = [(number, each) for row in itertools.zip_longest(*views)
                for number, each in enumerate(row) if each is not None]  # fmt: skip
@@ -220,8 +219,8 @@ def _along(problem: Problem, cause: Cause, null: Fit) -> Batched[list[Array]]:
     """Points along a relaxed constant over its widened prior where the data are nearest.
 
     Predictions may jump, so that no descent leads to a constant that is far off. One about the
-    recalibrated constants and two about the stated ones: a fit without the cause may have bent the
-    others to where no descent leads back. For the same reason their priors do not rank.
+    recalibrated constants and two about the stated ones, as in `first_looks`; for its reason the
+    priors of the others do not rank.
     """
     k = problem.at(cause)
     low, high = problem.limits[:, k]
