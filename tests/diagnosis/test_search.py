@@ -20,7 +20,13 @@ from stickslip._util.note import Note
 from stickslip.diagnosis.fitting.descent import End, derivatives, finished
 from stickslip.diagnosis.fitting.options import DESCENT, JUMPING, SEARCH, SMOOTH, vary
 from stickslip.diagnosis.fitting.responses import responses
-from stickslip.diagnosis.fitting.search import Models, _fit_singles, _look_beside, search
+from stickslip.diagnosis.fitting.search import (
+    Models,
+    _fit_exact_again,
+    _fit_singles,
+    _look_beside,
+    search,
+)
 from stickslip.diagnosis.fitting.starts import recalibrated
 from stickslip.diagnosis.model import posed
 from stickslip.diagnosis.pipeline import run
@@ -177,8 +183,10 @@ def test_the_model_without_a_cause_is_fitted_again_from_the_leaders_constants():
     assert models.null.log_evidence > wrong.log_evidence
 
 
-def test_a_pair_begins_where_a_response_points_and_where_its_leader_is(monkeypatch):
+@pytest.mark.parametrize("jumps", [False, True])
+def test_a_pair_begins_where_a_response_points_and_where_its_leader_is(monkeypatch, jumps):
     posed = two_wells(0.2)
+    posed = replace(posed, low_fidelity=posed.model if jumps else None)
     models = Models(posed, posed.causes)
     models.add(fitted(posed, at=np.array([1.0, 0.0, 0.0])))
     bump, _ = posed.causes
@@ -191,6 +199,8 @@ def test_a_pair_begins_where_a_response_points_and_where_its_leader_is(monkeypat
 
     monkeypatch.setattr("stickslip.diagnosis.fitting.search.responses", misled)
     _look_beside(models, leader)
+    if jumps:
+        _fit_exact_again(models)
     assert models.get(["bump", "kink"]).cost < leader.cost + DESCENT.settled
 
 

@@ -49,7 +49,7 @@ class Search:
     pays: float = 0.5  # part of chi-square that a round leaves, far from the data, if one follows
     comfortable: float = 1.1  # chi-square per row up to which hardly more than errors is left
     explains: float = 0.01  # p-value from which on two causes leave nothing to a third
-    rare: float = 0.05  # chance of noise as small as a further cause needs to lead
+    rare: float = 0.1  # chance of noise as small as a further cause needs to lead
     other_forms: int = 4  # models fitted with each further form of the discrepancy
     refitted: float = 0.1  # most log-evidence a reading by which it beats its linear model
     drawn: int = 4  # sets of causes whose evidence is corrected by draws

@@ -413,8 +413,8 @@ def _look_beside(models: Models, leader: Fit) -> None:
                 continue
             both, hyper = (*rest, response.cause), h if metric.names else None
             starts.append(Start(leader.form, both, response.x, response, hyper, cost_bound))
-            if more and tried[name] == 1 and metric.names:
-                # Nested: never worse than what it contains; see also `_fit_exact_again`.
+            if more and tried[name] == 1 and (metric.names or not problem.effort.early):
+                # Nested: never worse than what it contains; else `_fit_exact_again` sees to that.
                 starts.append(replace(starts[-1], x=leader.x))
     models.add_fits(starts)
 

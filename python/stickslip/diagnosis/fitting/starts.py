@@ -168,8 +168,9 @@ def first_looks(
     fine = [cause for cause in causes if np.any(problem.fineness[problem.columns([cause])] <= FINE)]
     effort, every = problem.effort, list[list[Response]]()
     for one in views:
-        sizes = effort.amplitudes if one is views[0] else effort.elsewhere
-        every.append(responses(problem, one, (), causes, soft, np.zeros(0), sizes, cheap=True))
+        first = one is views[0]  # where the test has asked for whole predictions
+        sizes = effort.amplitudes if first else effort.elsewhere
+        every.append(responses(problem, one, (), causes, soft, np.zeros(0), sizes, not first))
     # Of each view, as gains about one end do not compare with those about another.
     bundles = list[tuple[Cause, list[list[Response]]]]()
     for cause in causes:
