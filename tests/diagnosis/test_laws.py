@@ -14,7 +14,7 @@ from stickslip import Drive, Law, Measurement, Prior, Scenario, Table, simulate
 from stickslip.diagnosis.decision.candidate import Candidate
 from stickslip.diagnosis.fitting.law_forms import with_forms
 from stickslip.diagnosis.fitting.models import log_prior
-from stickslip.diagnosis.fitting.search import Models, Start
+from stickslip.diagnosis.fitting.search import Models, Start, search
 from stickslip.diagnosis.model import posed
 from stickslip.diagnosis.report.sections.size import law_of
 from stickslip.diagnosis.terms.cause import Cause
@@ -195,7 +195,7 @@ def test_forms_of_the_simulator_compete_with_the_curve_that_is_fitted(seed):
     wider = problem.wider(problem, problem.laws(problem, models.null.x))
     (law,) = [each for each in wider.causes if each.name == "adhesion over age of the contact"]
     models = models.widened(wider, wider.causes)
-    models.add_fits([Start("exact", (law,), models.null.x)])
+    search(models, [], [law])
     models = with_forms(models)
     told = Candidate(models.get([law.name]), models)
     shape = law_of(told)
