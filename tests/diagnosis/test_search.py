@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import chi2
 
 from sliding_block import (
     FRICTION,
@@ -17,16 +18,11 @@ from sliding_block import (
 )
 from stickslip import Cause, Parameter, Prior, Series, Table, diagnose_model, instruments, models
 from stickslip._util.note import Note
+from stickslip.diagnosis.fitting import search as looks
 from stickslip.diagnosis.fitting.descent import End, derivatives, finished
 from stickslip.diagnosis.fitting.options import DESCENT, JUMPING, SEARCH, SMOOTH, vary
 from stickslip.diagnosis.fitting.responses import responses
-from stickslip.diagnosis.fitting.search import (
-    Models,
-    _fit_exact_again,
-    _fit_singles,
-    _look_beside,
-    search,
-)
+from stickslip.diagnosis.fitting.search import Models, search
 from stickslip.diagnosis.fitting.starts import recalibrated
 from stickslip.diagnosis.model import posed
 from stickslip.diagnosis.pipeline import run
@@ -183,6 +179,19 @@ def test_the_model_without_a_cause_is_fitted_again_from_the_leaders_constants():
     assert models.null.log_evidence > wrong.log_evidence
 
 
+@pytest.mark.parametrize("beyond", [-0.1, 0.1])
+def test_a_further_cause_is_sought_unless_it_could_lead_by_rare_luck_alone(beyond):
+    causes, columns, model = crowd(4)
+    posed_one = posed(data(0.5 * columns[1], sd=0.05), model, [SLOPE, LEVEL], causes)
+    models = run(posed_one, 0).models
+    one, pair = models.get(["c1"]), causes[:2]
+    asked = models.log_prior(one.causes) - models.log_prior(pair)
+    # The misfit of right models is a chi-square; a fall of 2 is a factor e, and one side has 2.
+    cost = chi2.ppf(SEARCH.rare, len(X)) + 2.0 * (asked - np.log(2.0)) + beyond
+    models.best[one.names, "exact"] = replace(one, cost=cost)
+    assert looks._leaves_too_little(models, one) == (beyond < 0.0)
+
+
 @pytest.mark.parametrize("jumps", [False, True])
 def test_a_pair_begins_where_a_response_points_and_where_its_leader_is(monkeypatch, jumps):
     posed = two_wells(0.2)
@@ -193,14 +202,13 @@ def test_a_pair_begins_where_a_response_points_and_where_its_leader_is(monkeypat
     leader = models.add(fitted(posed, [bump], at=np.array([1.0, 0.0, 0.0])))
 
     def misled(*given, **options):
-        return [
-            replace(each, x=np.append(-1.0, each.x[1:])) for each in responses(*given, **options)
-        ]
+        every = responses(*given, **options)
+        return [replace(each, x=np.append(-1.0, each.x[1:])) for each in every]
 
     monkeypatch.setattr("stickslip.diagnosis.fitting.search.responses", misled)
-    _look_beside(models, leader)
+    looks._look_beside(models, leader)
     if jumps:
-        _fit_exact_again(models)
+        looks._fit_exact_again(models)
     assert models.get(["bump", "kink"]).cost < leader.cost + DESCENT.settled
 
 
@@ -216,7 +224,7 @@ def test_a_cause_is_looked_at_from_each_valley_once_and_the_stated_constants(mon
 
     monkeypatch.setattr("stickslip.diagnosis.fitting.starts.responses", counted)
     places = [np.array([k, 0.0, 0.0]) for k in (-2.0, -1.0, 0.0, 1.0, 2.0)]
-    _fit_singles(models, [replace(models.null.end, x=each) for each in places], posed.causes)
+    looks._fit_singles(models, [replace(models.null.end, x=each) for each in places], posed.causes)
     assert [round(float(end.x[0])) for _, end, *_ in asked] == [1, 0, -1]
 
 

@@ -58,14 +58,9 @@ def by_log(folder, bad):
     return by_command(folder, (f"diagnose log.csv {options} --out found", files))
 
 
-def by_set(folder, bad):
-    """A value of ``--set``."""
-    return by_command(folder, f"run s.toml --out a.nc --set {bad}")
-
-
-def by_vary(folder, bad):
-    """A value of ``--vary``."""
-    return by_command(folder, f"sweep s.toml --out a.nc --vary {bad}")
+def after(command):
+    """A way to end a command."""
+    return lambda folder, bad: by_command(folder, f"{command} {bad}")
 
 
 def by_next(folder, bad):
@@ -74,15 +69,12 @@ def by_next(folder, bad):
     return by_command(folder, ("diagnose m.toml --out found --next 1", files))
 
 
-def by_optimise(folder, bad):
-    """Options of a short search."""
-    few = "--evaluations 20 --set drive.pulses=6 --set drive.ramp=0.02 --set drive.base=0.5e-3"
-    return by_command(folder, f"optimise s.toml --maximise mean_velocity {few} {bad}")
-
-
 WAYS = {
-    "command": by_command, "log": by_log, "--set": by_set, "--vary": by_vary, "--next": by_next,
-    "optimise": by_optimise,
+    "command": by_command, "log": by_log, "--next": by_next,
+    "--set": after("run s.toml --out a.nc --set"),
+    "--vary": after("sweep s.toml --out a.nc --vary"),
+    "optimise": after("optimise s.toml --maximise mean_velocity --evaluations 20 "
+                      "--set drive.pulses=6 --set drive.ramp=0.02 --set drive.base=0.5e-3"),
 }  # fmt: skip
 
 REFUSALS = [

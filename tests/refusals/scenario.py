@@ -92,21 +92,9 @@ def wrong_arguments(kind):
         yield (kind, (), {}), [f"{kind.__name__}: missing a required ", known]
 
 
-def of_robot(_, given):
-    """A robot of a size and a material."""
-    size = {"length": 250e-6, "width": 130e-6, "height": 100e-6}
-    stickslip.Robot.of(**{**size, **given})
-
-
-def of_measured_coil(_, given):
-    """Coils from what a laboratory measures."""
-    measured = {"field_per_ampere": 1e-3, "distance": 0.1, "resistance": 8.0}
-    Coil.of(**{**measured, **given})
-
-
-def of_fluid(_, given):
-    """The robot of Table II in a fluid."""
-    Scenario().in_fluid(**given)
+def of(make, **usual):
+    """A way to give a function arguments, beside usual ones."""
+    return lambda _, given: make(**{**usual, **given})
 
 
 def of_waveform(_, given):
@@ -115,25 +103,10 @@ def of_waveform(_, given):
     getattr(Waveform, name)(*arguments)
 
 
-def of_pulses(_, mode):
-    """Pulses in one plane, with another mode."""
-    Waveform.ipp(mode=mode)
-
-
-def of_coils(_, given):
-    """The coils of something."""
-    Coils.of(given)
-
-
 def of_hold(_, given):
     """A method of a waveform of one second."""
     name, argument = given
     getattr(Waveform.hold(1.0, {}), name)(argument)
-
-
-def of_uncertain(_, table):
-    """A scenario with a table of uncertain parameters."""
-    Scenario(uncertain=table)
 
 
 def of_uncertain_file(folder, text):
@@ -197,12 +170,14 @@ def of_changes(_, changes):
 
 
 WAYS = {
-    "file": of_file, "voltages": of_voltages, "class": of_class, "robot": of_robot,
-    "fluid": of_fluid,
-    "measured coil": of_measured_coil,
+    "file": of_file, "voltages": of_voltages, "class": of_class,
+    "robot": of(stickslip.Robot.of, length=250e-6, width=130e-6, height=100e-6),
+    "fluid": of(Scenario().in_fluid),
+    "measured coil": of(Coil.of, field_per_ampere=1e-3, distance=0.1, resistance=8.0),
     "arguments": lambda _, given: given[0](*given[1], **given[2]),
-    "waveform": of_waveform, "pulses": of_pulses, "coils": of_coils, "hold": of_hold,
-    "uncertain": of_uncertain,
+    "waveform": of_waveform, "pulses": lambda _, mode: Waveform.ipp(mode=mode),
+    "coils": lambda _, given: Coils.of(given), "hold": of_hold,
+    "uncertain": lambda _, table: Scenario(uncertain=table),
     "uncertain file": of_uncertain_file,
     "effect": of_effect, "map": of_map, "json": of_json, "points": of_points,
     "with map": of_scenario_with_map,
