@@ -178,10 +178,8 @@ WAYS = {
     "waveform": of_waveform, "pulses": lambda _, mode: Waveform.ipp(mode=mode),
     "coils": lambda _, given: Coils.of(given), "hold": of_hold,
     "uncertain": lambda _, table: Scenario(uncertain=table),
-    "uncertain file": of_uncertain_file,
-    "effect": of_effect, "map": of_map, "json": of_json, "points": of_points,
-    "with map": of_scenario_with_map,
-    "key": of_key, "changes": of_changes,
+    "uncertain file": of_uncertain_file, "effect": of_effect, "map": of_map, "json": of_json,
+    "points": of_points, "with map": of_scenario_with_map, "key": of_key, "changes": of_changes,
 }  # fmt: skip
 
 PARAMETER = EffectParameter(name="k", unit="-", low=-1.0, high=1.0, meaning="of a test")

@@ -120,15 +120,17 @@ def descend(
     linear = [p.prior is not None and p.prior.kind == "normal" for p in problem.parameters]
     longest = np.where(linear, DESCENT.linear_step, DESCENT.step)[free]
     factor, softer, fall, count = 1.0, 1.0, 0.0, 0.0
+    rough = problem.effort.rough
+    usual = max(form.n, float(form.cost(problem.sd[None], h)[0])) if rough and not cheap else 0.0
 
     def is_lost() -> bool:
-        """Whether it will not lead: each step that is left counts for half of one like these."""
-        promised = 0.0 if now <= cost_bound else downhill @ step_within(curvature, downhill, *room)
-        return bool(now - 0.5 * (steps - count) * max(fall, promised) > cost_bound)
+        if now <= cost_bound:
+            return False
+        promised = float(downhill @ step_within(curvature, downhill, *room))
+        return now - 0.5 * (steps - count) * max(fall, promised) > cost_bound
 
     while count < steps:
-        missed = now if cheap else now - form.n
-        settled = max(DESCENT.settled, problem.effort.rough * missed)
+        settled = max(DESCENT.settled, rough * (now - usual - form.price(residual[None])[0]))
         # What is prepared is not kept while other searches run.
         gram = form.weighted(form.prepared(np.column_stack([slopes, residual])), residual, h)
         curvature = gram[:-1, :-1] + precision

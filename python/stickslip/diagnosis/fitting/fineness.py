@@ -12,15 +12,10 @@ from stickslip.diagnosis.fitting.problem import LOST, Problem
 from stickslip.diagnosis.fitting.responses import USUAL, within
 from stickslip.diagnosis.terms.cause import Cause
 
-_ALIKE = 0.8
-"""Cosine of two effects that one descent can lead between. Chosen: a quarter of a wave has 0."""
-
-_STEPS: Array = 2.0 ** -np.arange(8.0)
-"""Moves of a coordinate that are tried, and the finest that is told. Chosen: halves."""
-
-_PLACES, _SEEN = 4, 0.3
-"""Places of a coordinate from which it is moved, and norm of an effect, in errors, below which it
-tells nothing. Chosen."""
+_ALIKE = 0.8  # cosine of effects that one descent leads between; chosen: a quarter of a wave has 0
+_STEPS: Array = 2.0 ** -np.arange(8.0)  # moves that are tried; the last is the finest told
+_PLACES = 4  # from which a coordinate is moved; chosen
+_SEEN = 0.3  # norm of an effect, in errors, below which it tells nothing; chosen
 
 
 def with_measured_fineness(problem: Problem) -> Problem:

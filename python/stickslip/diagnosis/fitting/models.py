@@ -143,11 +143,11 @@ def minimise(
         # With one inner product the first descent may end at its minimum.
         alone = not form.names and len(problem.precisions(causes)) == 1
         settled = left < _AT_MINIMUM and (turn > 0 or alone)
-        # Where predictions jump, what is promised may be out of reach; other hyperparameters may
-        # still lead there.
+        # What is promised may be out of reach; where predictions are smooth, other hyperparameters
+        # get one more turn.
         before, reached = reached, fit.log_evidence - 0.5 * left
         stuck = stuck + 1 if reached < before + 0.5 * _AT_MINIMUM else 0
-        stays = stuck > bool(form.names and not problem.effort.early)
+        stays = stuck > (1 if form.names and not problem.effort.early else 0)
         stays |= alone and end.cost > NEAR_DATA * form.n
         given_up, cost_bound = given_up or fit.log_evidence < least, math.inf
         if given_up or settled or stays:

@@ -49,7 +49,7 @@ class Search:
     pays: float = 0.5  # part of chi-square that a round leaves, far from the data, if one follows
     comfortable: float = 1.1  # chi-square per row up to which hardly more than errors is left
     explains: float = 0.01  # p-value from which on two causes leave nothing to a third
-    rare: float = 0.1  # chance of noise as small as a further cause needs to lead
+    rare: float = 0.05  # chance of noise as small as a further cause needs to lead
     other_forms: int = 4  # models fitted with each further form of the discrepancy
     refitted: float = 0.1  # most log-evidence a reading by which it beats its linear model
     drawn: int = 4  # sets of causes whose evidence is corrected by draws
@@ -69,8 +69,8 @@ class Effort:
     worth: float = 2.0  # least fall of the cost that one more has to promise
     room: float = 30.0  # log odds behind the best of its form from which a promise is not fitted
     early: bool = False  # end fits of what is not near once slopes as they are promise no lead
-    # Part of the cost whose fall ends a descent, by whole runs of the cost beyond one unit a row:
-    # models that explain the data are compared by where they end.
+    # A fall by this part of the cost ends a descent; of whole runs, of the cost beyond that of one
+    # error in each row, as models that explain the data are compared by where they end.
     rough: float = 0.0
 
 

@@ -202,8 +202,9 @@ def search(
         say(0.3 + 0.5 * turn / SEARCH.rounds, "comparing models")
         new = [fit for fit in _worth_a_look(models)
                if fit.log_evidence > done.get(fit.names, -math.inf) + SEARCH.better
-               and not (fit.names in done and (_differs_by_a_factor(problem, fit)
-                                               or _leaves_too_little(models, fit)))]  # fmt: skip
+               and not (fit.names in done and (
+                   (problem.is_long and fit.form == "white" and fit.sizes["kappa"] > SEARCH.looked)
+                   or _leaves_too_little(models, fit)))]  # fmt: skip
         # Where the best model leaves ten errors in each row, few looks beside others explain more.
         reaches = models.reaches
         new = new if reaches else [fit for fit in new if fit is new[0] or len(fit.causes) > 1][:2]
@@ -276,7 +277,7 @@ def _worth_a_look(models: Models) -> list[Fit]:
     the pair that is best with the errors as stated.
 
     A cause that is one of two may be far behind by itself, and one that is a third hidden by a
-    discrepancy. Laws are too many for that: it is the leader and models with a law alone.
+    discrepancy. Laws are too many for that: only the leader and those with a law are taken.
     """
     sets: dict[frozenset[str], Fit] = {}
     for fit in _near(models):
@@ -352,24 +353,24 @@ def _least_fall(models: Models, leader: Fit) -> float:
 
 
 def _leaves_too_little(models: Models, leader: Fit) -> bool:
-    """Whether a further cause could lead only by fitting better than right models do.
+    """Whether no further cause could lead, even one that explains all that the leader leaves.
 
     Its log-evidence would be half the fall of the cost larger, and ln 2 where it has one side only.
-    A third cause is tried only where two leave a misfit.
+    Of a simulation it must not need to fit as well as right models rarely do, unless the leader
+    does, as errors are stated too large. A third cause is for where two leave a misfit.
     """
     plain, problem = models.get(leader.names), models.problem
     if plain is None:
         return False
-    p_value = lack_of_fit(problem, plain.chi2, len(problem.y) - len(plain.free))
-    explains = len(leader.causes) > 1 and p_value >= SEARCH.explains
-    leads = plain.cost + 2.0 * math.log(2.0) - _least_fall(models, leader)
-    # Misfit and prior of a right model are as likely as the misfit of so many readings.
-    return explains or 1.0 - lack_of_fit(problem, leads, len(problem.y)) < SEARCH.rare
-
-
-def _differs_by_a_factor(problem: Problem, leader: Fit) -> bool:
-    """Whether a first look, with the stated errors, has seen what one with other ones would."""
-    return problem.is_long and leader.form == "white" and leader.sizes["kappa"] > SEARCH.looked
+    n, dof, x = len(problem.y), problem.freedom, plain.x[plain.free]
+    explains = lack_of_fit(problem, plain.chi2, n - len(plain.free)) >= SEARCH.explains
+    fall = _least_fall(models, leader) - 2.0 * math.log(2.0)
+    # Misfit and prior of a right model have the law of the misfit at its true coordinates.
+    size = plain.chi2 + float(x @ plain.precision @ x)
+    left = size - fall if math.isinf(dof) else (dof + size) * math.exp(-fall / (dof + n)) - dof
+    rare, usual = (1.0 - lack_of_fit(problem, each, n) for each in (left, size))
+    needs_luck = problem.effort.early and rare < SEARCH.rare <= usual
+    return needs_luck or (explains and len(leader.causes) > 1) or plain.cost < fall
 
 
 def _look_beside(models: Models, leader: Fit) -> None:
@@ -413,8 +414,8 @@ def _look_beside(models: Models, leader: Fit) -> None:
                 continue
             both, hyper = (*rest, response.cause), h if metric.names else None
             starts.append(Start(leader.form, both, response.x, response, hyper, cost_bound))
-            if more and tried[name] == 1 and (metric.names or not problem.effort.early):
-                # Nested: never worse than what it contains; else `_fit_exact_again` sees to that.
+            if more and tried[name] == 1:
+                # Nested: never worse than what it contains.
                 starts.append(replace(starts[-1], x=leader.x))
     models.add_fits(starts)
 

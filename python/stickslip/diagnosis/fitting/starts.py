@@ -168,9 +168,10 @@ def first_looks(
     fine = [cause for cause in causes if np.any(problem.fineness[problem.columns([cause])] <= FINE)]
     effort, every = problem.effort, list[list[Response]]()
     for one in views:
-        first = one is views[0]  # where the test has asked for whole predictions
-        sizes = effort.amplitudes if first else effort.elsewhere
-        every.append(responses(problem, one, (), causes, soft, np.zeros(0), sizes, not first))
+        sizes = effort.amplitudes if one is views[0] else effort.elsewhere
+        # About the null the test has asked for whole predictions, but not of laws.
+        cheap = one is not views[0] or any(cause.curve for cause in causes)
+        every.append(responses(problem, one, (), causes, soft, np.zeros(0), sizes, cheap))
     # Of each view, as gains about one end do not compare with those about another.
     bundles = list[tuple[Cause, list[list[Response]]]]()
     for cause in causes:
@@ -196,7 +197,7 @@ def _promising(
 ) -> Batched[list[tuple[float, Response]]]:
     """The best start of a cause and the best one about another view, with their costs.
 
-    A start that is better to first order may be where no descent leads back, see `first_looks`.
+    The start that is best by its cost may be where no descent leads back, see `first_looks`.
     """
     in_turn = [(number, each) for row in itertools.zip_longest(*views)
                for number, each in enumerate(row) if each is not None]  # fmt: skip
@@ -220,8 +221,8 @@ def _along(problem: Problem, cause: Cause, null: Fit) -> Batched[list[Array]]:
     """Points along a relaxed constant over its widened prior where the data are nearest.
 
     Predictions may jump, so that no descent leads to a constant that is far off. One about the
-    recalibrated constants and two about the stated ones, as in `first_looks`; for its reason the
-    priors of the others do not rank.
+    recalibrated constants and two about the stated ones, as in `first_looks`. As these may
+    have been bent, the priors of the others do not rank.
     """
     k = problem.at(cause)
     low, high = problem.limits[:, k]
