@@ -356,8 +356,8 @@ def _leaves_too_little(models: Models, leader: Fit) -> bool:
     """Whether no further cause could lead, even one that explains all that the leader leaves.
 
     Its log-evidence would be half the fall of the cost larger, and ln 2 where it has one side only.
-    Of a simulation it must not need to fit as well as right models rarely do, unless the leader
-    does, as errors are stated too large. A third cause is for where two leave a misfit.
+    Of a simulation, none is sought that has to fit as well as right models rarely do, unless the
+    leader does so: then the stated errors are large. A third is for where two leave a misfit.
     """
     plain, problem = models.get(leader.names), models.problem
     if plain is None:
