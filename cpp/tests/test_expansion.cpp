@@ -8,12 +8,7 @@
 #include "support.hpp"
 
 using namespace stickslip;
-using stickslip::test::all_driven;
-using stickslip::test::kRounding;
-using stickslip::test::paper_coils;
-using stickslip::test::Random;
-using stickslip::test::random_currents;
-using stickslip::test::steady;
+using namespace stickslip::test;
 
 namespace {
 

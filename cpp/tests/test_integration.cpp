@@ -10,10 +10,7 @@
 #include "support.hpp"
 
 using namespace stickslip;
-using stickslip::test::all_driven;
-using stickslip::test::observed_order;
-using stickslip::test::paper_coils;
-using stickslip::test::paper_model;
+using namespace stickslip::test;
 
 /// Convergence of whole integrations on smooth phases: a corner that sticks and a flight, in the
 /// fields of two coils whose currents settle after a jump of the voltage.

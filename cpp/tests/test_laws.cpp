@@ -12,9 +12,7 @@
 #include "support.hpp"
 
 using namespace stickslip;
-using stickslip::test::in_uniform_field;
-using stickslip::test::paper_model;
-using stickslip::test::Random;
+using namespace stickslip::test;
 
 namespace {
 

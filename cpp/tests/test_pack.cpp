@@ -11,8 +11,7 @@
 #include "support.hpp"
 
 using namespace stickslip;
-using stickslip::test::kRounding;
-using stickslip::test::Random;
+using namespace stickslip::test;
 
 namespace {
 

@@ -10,8 +10,7 @@
 #include "support.hpp"
 
 using namespace stickslip;
-using stickslip::test::kRounding;
-using stickslip::test::Random;
+using namespace stickslip::test;
 
 namespace {
 

@@ -10,12 +10,7 @@
 #include "support.hpp"
 
 using namespace stickslip;
-using stickslip::test::all_driven;
-using stickslip::test::in_uniform_field;
-using stickslip::test::kRounding;
-using stickslip::test::paper_coils;
-using stickslip::test::paper_model;
-using stickslip::test::Random;
+using namespace stickslip::test;
 
 namespace {
 

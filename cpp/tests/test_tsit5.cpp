@@ -8,10 +8,7 @@
 #include "support.hpp"
 
 using namespace stickslip;
-using stickslip::test::kRounding;
-using stickslip::test::observed_order;
-using stickslip::test::paper_coils;
-using stickslip::test::paper_model;
+using namespace stickslip::test;
 
 namespace {
 

@@ -203,6 +203,26 @@ def test_no_cause_is_sought_that_has_to_fit_as_a_right_one_rarely_does(dof):
         assert _leaves_too_little(models, one) == is_left, (size, rare, most)
 
 
+@pytest.mark.parametrize(("size", "beside"), [(0.0, "white"), (0.5, "white"), (0.0, "smooth")])
+def test_nothing_is_looked_for_beside_causes_that_a_discrepancy_leads(size, beside, monkeypatch):
+    causes, columns, model = crowd(4)
+    scatter = 0.25 * np.random.default_rng(4).standard_normal(len(X))
+    error = scatter if beside == "white" else np.sin(4.0 * (X + data().settings["z"]))
+    table, looks, begun = data(size * columns[1] + error, sd=0.05), [], []
+    simulated = posed(table, model, [SLOPE, LEVEL], causes, low_fidelity=model)
+    look, fit = "stickslip.diagnosis.fitting.search._look_beside", Models.add_fits
+    monkeypatch.setattr(look, lambda _, leader: looks.append(leader))
+    monkeypatch.setattr(Models, "add_fits", lambda *given: begun.extend(given[1]) or fit(*given))
+    leader = searched(simulated).leaders(1)[0]
+    assert (leader.form, bool(leader.causes)) == (beside, size > 0.0)
+    assert {each.form for each in looks} == ({"exact", beside} if size else {"exact"})
+    # Where a cause leads, the discrepancy alone is searched from there too.
+    starts = [each.x for each in begun if each.form == beside and not each.causes]
+    assert any(np.array_equal(x, leader.x) for x in starts) == (size > 0.0)
+    # What is far behind the likeliest form is not fitted.
+    assert any(each.form == "white" and each.causes for each in begun) == (beside == "white")
+
+
 def test_a_reading_that_is_not_computed_ends_no_descent():
     posed, lost = two_wells(), np.where(np.arange(20) == 19, np.nan, 0.0)
     whole = replace(posed, low_fidelity=posed.model)
@@ -389,11 +409,15 @@ def with_laws(posed, asked):
     return replace(posed, laws=laws, wider=wider), law
 
 
+BENT, LAW = 0.5 * np.tanh(4.0 * (X - 1.7)), ("height over place",)
+SCATTER = 0.14 * np.random.default_rng(2).standard_normal(30)  # far ahead of the law as stated
+
+
 @pytest.mark.parametrize(
     ("extra", "kind", "causes"),
-    [(0.5 * np.tanh(4.0 * (X - 1.7)), "named", ("height over place",)),
-     (0.0, "none", ()),
-     (0.5 * shapes(X)["wave.height"], "named", ("wave",))], ids=["a law", "nothing", "a cause"],
+    [(BENT, "named", LAW), (BENT + SCATTER, "dominant", LAW), (0.0, "none", ()),
+     (0.5 * shapes(X)["wave.height"], "named", ("wave",))],
+    ids=["a law", "a law beside scatter", "nothing", "a cause"],
 )  # fmt: skip
 def test_laws_are_looked_for_where_no_cause_explains_the_data(extra, kind, causes):
     asked, told = [], []
@@ -406,7 +430,7 @@ def test_laws_are_looked_for_where_no_cause_explains_the_data(extra, kind, cause
     assert (fractions[0], fractions[-1]) == (0.0, 1.0)
     assert asked or fractions == sorted(fractions)
     assert [stage for _, stage in told][:2] == ["recalibrating", "testing"]
-    assert ("comparing models" in dict(map(reversed, told))) == (kind == "named")
+    assert ("comparing models" in dict(map(reversed, told))) == (kind != "none")
 
 
 @pytest.mark.nightly

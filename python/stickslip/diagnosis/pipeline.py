@@ -37,8 +37,7 @@ def run(
     say(0.2, "testing")
     models = Models(problem, problem.causes)
     models.add(null)
-    exact = models.forms["exact"]
-    effects = responses(problem, null.end, (), problem.causes, exact, null.h)
+    effects = responses(problem, null.end, (), problem.causes, models.forms["exact"], null.h)
     test = tested(problem, null, effects, seed)
     if fault is not None or not test.misfit:  # else a search says more
         screened(models, effects)

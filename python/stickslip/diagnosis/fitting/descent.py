@@ -333,9 +333,11 @@ def _fine_slope(problem: Problem, x: Array, k: int, residual: Array, cheap: bool
 
 
 def end_at(problem: Problem, causes: Sequence[Cause], x: Array) -> Batched[End]:
-    """Where a model is at given coordinates, with slopes there."""
+    """Where a model is at given coordinates, with slopes there; what it does not have is zero."""
+    free, given, x = problem.free(causes), x, np.zeros(problem.size)
+    x[free] = given[free]
     residual = (yield x[None, :], False)[0].copy()
-    slopes = yield from derivatives(problem, x, problem.free(causes), residual)
+    slopes = yield from derivatives(problem, x, free, residual)
     return End(x, residual, slopes, np.nan)
 
 

@@ -132,7 +132,7 @@ class Form:
     def begin(self, residual: Array) -> Array:
         """Hyperparameters to begin with."""
         scatter = float(np.mean(self.problem.whitened(residual[:, None]) ** 2))
-        return np.array([0.5 * math.log(max(scatter, 0.05))])
+        return np.array([0.5 * math.log(max(scatter, 0.05))])[: len(self.names)]
 
     def limits(self) -> tuple[Array, Array, Array, Array]:
         """Middle, standard deviation, lowest and highest of each hyperparameter."""
@@ -191,9 +191,6 @@ class Exact(Whitening):
                 beside = gammaln((dof + count) / 2) - gammaln(dof / 2)
                 total -= 2.0 * float(beside) - count * math.log(dof / 2.0)
         return total
-
-    def begin(self, residual: Array) -> Array:
-        return np.zeros(0)
 
 
 class Softened(Exact):

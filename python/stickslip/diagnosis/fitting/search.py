@@ -8,6 +8,7 @@ contains.
 from __future__ import annotations
 
 import contextlib
+import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -167,11 +168,9 @@ class Models:
             prior = self.log_prior(start.causes, start.form)
             least = self.log_posterior(rivals[0]) - prior - SEARCH.behind
             if start.form == "exact":
-                cost_bound = min(cost_bound, self.cost_bound)
-                if early and self.reaches:
-                    (best,) = self.leaders(1, "exact")
-                    worse = self.log_posterior(best) - self.log_prior(best.causes) - least
-                    cost_bound = min(cost_bound, best.cost + 2.0 * worse + SEARCH.margin)
+                # Twice the lead of a log-evidence is a fall of the cost.
+                lead = self.leaders(1, "exact")[0].log_evidence - least if early else 0.0
+                cost_bound = min(cost_bound, self.cost_bound + 2.0 * min(lead, 0.0))
         slopes = None if start.near is None else start.near.slopes
         with contextlib.suppress(np.linalg.LinAlgError):
             return (yield from minimise(
@@ -197,6 +196,8 @@ def search(
     """
     problem = models.problem
     _fit_singles(models, ends, causes)
+    if any(form != "exact" for _, form in models.best):  # of the causes that were searched before
+        _fit_other_forms(models)
     most, done = models.begun + SEARCH.most_fits, {frozenset[str](): models.null.log_evidence}
     for turn in range(SEARCH.rounds):
         say(0.3 + 0.5 * turn / SEARCH.rounds, "comparing models")
@@ -218,8 +219,7 @@ def search(
         _fit_other_forms(models)
         _fit_exact_again(models)
         pays = models.leaders(1, "exact")[0].chi2 < SEARCH.pays * before
-        leads_anew = models.leaders(1)[0].names not in done
-        if not reaches and not pays and not leads_anew:
+        if not reaches and not pays and models.leaders(1)[0].names in done:
             break
     compared = [fit for fit in models.leaders() if fit in _near(models) or not fit.causes]
     sharper = [sharpened(problem, models.forms[fit.form], fit) for fit in compared]
@@ -277,12 +277,15 @@ def _worth_a_look(models: Models) -> list[Fit]:
     the pair that is best with the errors as stated.
 
     A cause that is one of two may be far behind by itself, and one that is a third hidden by a
-    discrepancy. Laws are too many for that: only the leader and those with a law are taken.
+    discrepancy. Laws are too many for that: only the leader and those with a law are taken. Of a
+    simulation, what is behind a discrepancy without a cause is no leader.
     """
     sets: dict[frozenset[str], Fit] = {}
     for fit in _near(models):
         sets.setdefault(fit.names, fit)
-    fits = [fit for fit in sets.values() if fit.causes][: SEARCH.leaders]
+    passed = ["exact"] if models.problem.effort.early else models.forms
+    ahead = itertools.takewhile(lambda fit: fit.causes or fit.form in passed, sets.values())
+    fits = [fit for fit in ahead if fit.causes][: SEARCH.leaders]
     if any(cause.curve for cause in models.offered):
         first = models.leaders(1)[0]
         return [fit for fit in fits if fit is first or any(cause.curve for cause in fit.causes)]
@@ -299,8 +302,7 @@ def _fit_singles(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -
     problem, short = models.problem, models.problem.short
     every = first_looks(short, seen_in(short, models.null), ends, causes)
     looks = run_batched(short, [looked(short, *look) for look in every[:1]])
-    near = (end for end, _ in looks if is_near_data(short, end.residual))
-    rival = next(near, None)
+    rival = next((end for end, _ in looks if is_near_data(short, end.residual)), None)
     looks += run_batched(short, [looked(short, *look, rival) for look in every[1:]])
     looks.sort(key=lambda look: look[0].cost)
     first = {cause.name: (end, cause) for end, cause in reversed(looks)}
@@ -384,15 +386,10 @@ def _look_beside(models: Models, leader: Fit) -> None:
     most = SEARCH.most_causes - (problem.laws is not None)
     if len(leader.causes) < most and not _leaves_too_little(models, leader):
         bases = [(leader.causes, leader.end)]
-    causes = leader.causes
-    smaller = [tuple(other for other in causes if other is not cause) for cause in causes]
-    points = np.tile(leader.x, (len(smaller), 1))
-    for x, cause in zip(points, leader.causes, strict=True):
-        x[problem.columns([cause])] = 0.0
-    at = [end_at(problem, *pair) for pair in zip(smaller, points, strict=True)]
-    bases += zip(smaller, run_batched(problem, at), strict=True)
-    starts = [Start(leader.form, rest, end.x, end) for rest, end in bases
-              if rest != leader.causes]  # fmt: skip
+    smaller = [tuple(one for one in leader.causes if one is not out) for out in leader.causes]
+    ends = run_batched(problem, [end_at(problem, rest, leader.x) for rest in smaller])
+    bases += zip(smaller, ends, strict=True)
+    starts = [Start(leader.form, rest, end.x, end) for rest, end in zip(smaller, ends, strict=True)]
     for rest, end in bases:
         more, third = rest == leader.causes, len(rest) > 1
         if third and not more:
@@ -453,9 +450,12 @@ def _may_improve(
 
 def _fit_other_forms(models: Models) -> None:
     """Fit the most promising models with each further form of the discrepancy, and every single
-    cause: twins are to be compared in the same form.
+    cause: twins are to be compared in the same form. Of a simulation, a cause that promises far
+    less than the likeliest model of any form keeps its linear model.
     """
-    for name in [form for form in models.forms if form != "exact"]:
+    effort = models.problem.effort
+    # The last one first: it has scatter too, so that it is seldom far behind the others.
+    for name in [form for form in reversed(models.forms) if form != "exact"]:
         hopes = []
         for rank, old in enumerate(models.leaders(form="exact")):
             known = hope = models.get(old.names, name)
@@ -469,10 +469,10 @@ def _fit_other_forms(models: Models) -> None:
             hopes.append((models.log_posterior(hope), old, hope, better))
         hopes.sort(key=lambda hope: -hope[0])
         starts = []
-        effort = models.problem.effort
+        best = models.log_posterior(models.leaders(1)[0]) if effort.early else -math.inf
         room = effort.room + SEARCH.refitted * len(models.problem.y)
         for rank, (promised, old, hope, better) in enumerate(hopes):
-            behind = hopes[0][0] - promised
+            behind = max(best, hopes[0][0]) - promised
             near = len(old.causes) < 2 and behind < SEARCH.behind
             hopeful = rank < SEARCH.other_forms and behind < room
             if better and (near or hopeful or not (old.causes or effort.early)):
@@ -480,6 +480,10 @@ def _fit_other_forms(models: Models) -> None:
             elif better and len(old.causes) < 2:
                 models.add(hope)  # far behind: the linear model will do
         models.add_fits(starts)
+        leaders = [fit for fit in models.leaders(SEARCH.leaders, name) if fit.causes]
+        if effort.early and leaders[:1] == models.leaders(1):
+            # The model without a cause gets as many searches as its rivals, from where they are.
+            models.add_fits([Start(name, (), fit.x, h=fit.h) for fit in leaders])
 
 
 def _fit_exact_again(models: Models) -> None:

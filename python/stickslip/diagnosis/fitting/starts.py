@@ -49,8 +49,7 @@ def recalibrated(problem: Problem, seed: int) -> tuple[Fit, list[End]]:
     starts = list(separated(_scan(problem, count, seed), lambda x: x, SEARCH.apart))
     fits, ends = _descended(problem, exact, starts, SEARCH.followed)
     if problem.constants and lack_of_fit(problem, fits[0].chi2, len(problem.y)) < SEARCH.doubtful:
-        points = _scan(problem, SEARCH.scan, seed + 1)
-        starts = _strata(problem, points)
+        starts = _strata(problem, _scan(problem, SEARCH.scan, seed + 1))
         again, more = _descended(problem, exact, starts, len(starts))
         fits, ends = [*fits, *again], sorted([*ends, *more], key=lambda end: end.cost)
     best = min(fits, key=lambda fit: fit.cost)
@@ -203,8 +202,7 @@ def _promising(
                for number, each in enumerate(row) if each is not None]  # fmt: skip
     # Where the cause does nothing is nothing to begin with.
     columns = problem.columns([cause])
-    acts = [one for one in in_turn if np.any(np.abs(one[1].x[columns]) > SEARCH.same)]
-    in_turn = acts or in_turn
+    in_turn = [one for one in in_turn if np.any(np.abs(one[1].x[columns]) > SEARCH.same)] or in_turn
     # Places of a scan are close together.
     far = np.maximum(FINE / problem.fineness, 1.0)
     near = list(separated(in_turn, lambda one: one[1].x * far, SEARCH.apart))[: SEARCH.looked_at]
