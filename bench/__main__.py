@@ -17,6 +17,7 @@ PROGRAMS = {
     "sweep": ("sweep", "sweeps: cost of a run and of a point, threads"),
     "against": ("against", "this version beside an earlier commit (against COMMIT)"),
     "golden": ("golden", "whether the diagnosis says of 149 problems what it said before"),
+    "paper": ("paper", "the paper's simulations redone, its statements tested, its figures"),
     "peers": ("peers", "SciPy, heyoka, MuJoCo and magpylib at equal accuracy"),
     "blind": ("blind", "the blind study of the diagnosis: make, diagnose, judge, tables ..."),
     "causes": ("causes", "a benchmark for any tool that names causes: make, run, score"),
@@ -38,7 +39,6 @@ def main(arguments: list[str]) -> int:
     if name not in PROGRAMS:
         print(f"bench: {name}: allowed is one of {', '.join(PROGRAMS)}", file=sys.stderr)
         return 2
-    module, _ = PROGRAMS[name]
     paths = [str(HERE), os.environ.get("PYTHONPATH")]
     environment = {
         "OMP_NUM_THREADS": "1",
@@ -46,7 +46,7 @@ def main(arguments: list[str]) -> int:
         **os.environ,
         "PYTHONPATH": os.pathsep.join(path for path in paths if path),
     }
-    command = [sys.executable, "-m", module, *rest]
+    command = [sys.executable, "-m", PROGRAMS[name][0], *rest]
     os.execve(sys.executable, command, environment)
 
 

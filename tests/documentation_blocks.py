@@ -52,7 +52,6 @@ NOT_RUN = (
     "stickslip diagnose",  # 40 s; the pages on the diagnosis run one each
     "stickslip predict found/extended.toml",  # needs the folder of a diagnosis
     "stickslip predict other-drive.toml",
-    "stickslip reproduce",  # 15 s for one figure, minutes for all
 )
 # What writes the files that a page reads and that no block of it writes.
 _GIVEN = {

@@ -35,6 +35,7 @@ def jobs(seed: int) -> dict[str, tuple[int, str]]:
         "wheel": (6, "make wheel"),
         "docs": (5, "make docs"),
         "lint": (15, "make lint"),
+        "paper": (1, f"{PYTHON} -m bench paper"),
         "golden": (12, f"{PYTHON} -m bench golden --jobs 2"),
     }
 

@@ -5,12 +5,12 @@ import math
 
 import numpy as np
 import pytest
+from paper.statements import fringe
 
 from command_line import stickslip
 from measured_maps import formula_map
 from stickslip import Coil, Drive, Scenario, Waveform, _core, simulate
 from stickslip.design.coil_facts import coil_facts, dimension_changes
-from stickslip.reproduction.statements import fringe
 
 OWN = {"coil.clamp.turns": 400.0, "coil.clamp.side": 0.11, "coil.clamp.resistance": 7.0}
 

@@ -53,7 +53,6 @@ INTERRUPTED = {
     f"optimise s.toml {SEARCH} --evaluations=100000 --out=out/found": (
         "(?s)(%.*){3}", ", this is the best so far", ["found/best.png", "found/best.toml"],
     ),
-    "reproduce --out=out/found": ("%", "", []),
     "diagnose m.toml --out=out/found --threads=1 --seed=1": ("%", "", []),
 }  # fmt: skip
 

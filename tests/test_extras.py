@@ -110,7 +110,6 @@ def test_commands_of_the_base(arguments, tmp_path):
         (OPTIONAL, "stickslip predict scenario.toml", "h5netcdf", "netcdf"),
         (OPTIONAL, "stickslip optimise scenario.toml", "cma", "optimise"),
         (OPTIONAL, "stickslip diagnose measurement.toml", "scipy", "diagnosis"),
-        (OPTIONAL, "stickslip reproduce", "h5netcdf", "netcdf,diagnosis"),
         (OPTIONAL, "stickslip run scenario.toml --plot run.png", "matplotlib", "plot"),
         (OPTIONAL, "stickslip run scenario.toml --out run.nc", "h5netcdf", "netcdf"),
         # Not begun where its page could not be written.
@@ -145,7 +144,7 @@ def test_every_public_name_is_there_or_names_its_extra(tmp_path):
     rows = [line.split() for line in result.stdout.splitlines()]
     assert all(named == "True" for _, _, named in rows)
     assert {name: module for name, module, _ in rows} == {
-        **dict.fromkeys(["predict", "reproduce", "sweep", "sweep_dataframe"], "h5netcdf"),
+        **dict.fromkeys(["predict", "sweep", "sweep_dataframe"], "h5netcdf"),
         **dict.fromkeys(["Cause", "Diagnosis", "Measurement", "Parameter", "Series"], "scipy"),
         **dict.fromkeys(["diagnose", "free_law"], "scipy"),
         **dict.fromkeys(["diagnose_in_rounds", "diagnose_model", "instruments", "models"], "scipy"),

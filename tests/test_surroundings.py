@@ -34,8 +34,6 @@ for arguments in (
     ["sweep", scenario, "--vary", "drive.frequency=20,30", "--out", f"y{long[1:]}.nc", "--resume"],
 ):
     print(ascii(run(arguments)), flush=True)
-from stickslip.reproduction.statements import STATEMENTS
-print(ascii([*STATEMENTS.values()]))
 """
 
 

@@ -28,7 +28,6 @@ _NAMES = {
     "stickslip.errors": "ScenarioError SimulationError",
     "stickslip.field.coils": "Coils",
     "stickslip.field.field_map": "FieldMap",
-    "stickslip.reproduction.study": "reproduce",
     "stickslip.scenario.effects": "EffectParameter effects register_effect",
     "stickslip.scenario.keys": "COIL_NAMES",
     "stickslip.scenario.law": "Law",

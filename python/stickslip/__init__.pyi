@@ -21,7 +21,6 @@ from stickslip.errors import ScenarioError as ScenarioError
 from stickslip.errors import SimulationError as SimulationError
 from stickslip.field.coils import Coils as Coils
 from stickslip.field.field_map import FieldMap as FieldMap
-from stickslip.reproduction.study import reproduce as reproduce
 from stickslip.scenario.effects import EffectParameter as EffectParameter
 from stickslip.scenario.effects import effects as effects
 from stickslip.scenario.effects import register_effect as register_effect

@@ -31,7 +31,6 @@ _NEEDED: dict[str, tuple[str, ...]] = {
     "optimise": ("optimise",),
     "plot": ("plot",),
     "predict": ("netcdf",),
-    "reproduce": ("netcdf", "diagnosis"),
     "sweep": ("netcdf",),
     "sweep_dataframe": ("netcdf",),
     **dict.fromkeys(_DIAGNOSIS, ("diagnosis",)),

@@ -21,7 +21,6 @@ COMMANDS = {
     "keys": "List or search the keys of a scenario.",
     "optimise": "Find the drive of a scenario that is best under limits.",
     "predict": "Predict the summary of a scenario with error bars.",
-    "reproduce": "Redo the paper's simulations and test its statements.",
     "run": "Simulate one scenario and print its summary.",
     "sweep": "Simulate a scenario at all combinations of some values.",
 }

@@ -1,8 +1,9 @@
 """The paper's statements S1 to S17, and how far the settings bear them out.
 
-Each is a function of `Walks` that says in one sentence what the paper states, and in the next what
-counts as such: the paper gives no thresholds, so these are choices of this study. It returns where
-the statement holds, over the settings of IPP and OPP that enter, and its numbers by name and unit.
+Each is a function of `Walks` whose docstring says in one sentence what the paper states, and in the
+next what counts as such: the paper gives no thresholds, so these are choices of this study. It
+returns where the statement holds, over the settings of IPP and OPP that enter, and its numbers by
+name and unit.
 
 All angles are magnitudes: the upstroke is where abs(theta) rises, whatever the clamp coil's sign.
 """
@@ -17,11 +18,9 @@ import numpy as np
 import pandas as pd
 from xarray import DataArray
 
+from paper.walks import MODES, WORKING_FREQUENCIES, Setting, Walks
+from stickslip import Coils, Robot
 from stickslip._util.arrays import Array
-from stickslip.field.coils import Coils
-from stickslip.reproduction.settings import MODES, Setting
-from stickslip.reproduction.walks import WORKING_FREQUENCIES, Walks
-from stickslip.scenario.sections import Robot
 
 Found: TypeAlias = "tuple[DataArray, dict[str, Any]]"
 
@@ -32,20 +31,6 @@ _NAMED_FROM = 0.25  # difference that a setting makes to the share for it to be 
 _NAMED = 2  # settings that are named; chosen: more are hard to read
 
 _TYPICAL_VELOCITY = 0.88e-3  # m/s; what the paper's Reynolds number of 0.22 comes to, section VI-C
-
-
-STATEMENTS: dict[Callable[[Walks], Found], str] = {}
-"""The statements, each with its text."""
-
-
-def says(text: str) -> Callable[[Callable[[Walks], Found]], Callable[[Walks], Found]]:
-    """Put a function among the statements with what it says."""
-
-    def added(statement: Callable[[Walks], Found]) -> Callable[[Walks], Found]:
-        STATEMENTS[statement] = text
-        return statement
-
-    return added
 
 
 def of_both(of_one: Callable[[Any], Found]) -> Callable[[Walks], Found]:
@@ -93,35 +78,31 @@ def means(walks: Walks, scan: str, low: float, high: float) -> tuple[list[Any], 
     return means, {f"{mode} (mm/s)": 1e3 * mean for mode, mean in zip(MODES, means, strict=True)}
 
 
-@says("IPP slips on the downstroke. 80% of the slip's path on the downstroke, forwards, at 30 Hz.")
 def s1(walks: Walks) -> Found:
+    """IPP slips on the downstroke. 80% of the slip's path on the downstroke, forwards, at 30 Hz."""
     share = 1.0 - walks["IPP"].slip_share_up
     holds = (share >= 0.8) & (walks["IPP"].slip_down > 0.0)
     return holds, {"share of the path on the downstroke": share}
 
 
-@says("OPP slips on the upstroke. 80% of the slip's path on the upstroke, forwards, at 30 Hz.")
 def s2(walks: Walks) -> Found:
+    """OPP slips on the upstroke. 80% of the slip's path on the upstroke, forwards, at 30 Hz."""
     share = walks["OPP"].slip_share_up
     holds = (share >= 0.8) & (walks["OPP"].slip_up > 0.0)
     return holds, {"share of the path on the upstroke": share}
 
 
-@says(
-    "The normal force is low on IPP's downstroke and high on OPP's upstroke. The mean while "
-    "slipping below, or above, weight and adhesion, at 30 Hz."
-)
 def s3(walks: Walks) -> Found:
+    """The normal force is low on IPP's downstroke and high on OPP's upstroke. The mean while
+    slipping below, or above, weight and adhesion, at 30 Hz."""
     down, up = walks["IPP"].normal_force_down, walks["OPP"].normal_force_up
     numbers = {"IPP's force over that at rest": down, "OPP's force over that at rest": up}
     return (down < 1.0) & (up > 1.0), numbers
 
 
-@says(
-    "The steady angle is much larger in IPP than in OPP. 1.25 times or more, before the pulses "
-    "and in the mean at 30 Hz."
-)
 def s4(walks: Walks) -> Found:
+    """The steady angle is much larger in IPP than in OPP. 1.25 times or more, before the pulses and
+    in the mean at 30 Hz."""
     ipp, opp = walks["IPP"], walks["OPP"]
     still, moving = ipp.still_tilt, ipp.mean_tilt
     return (still > 1.25 * opp.still_tilt) & (moving > 1.25 * opp.mean_tilt), {
@@ -132,55 +113,48 @@ def s4(walks: Walks) -> Found:
     }
 
 
-@says(
-    "Velocity is proportional to a low frequency. R² of a line through the origin to 30 Hz at "
-    "least 0.95."
-)
 @of_both
 def s5(mode: Any) -> Found:
+    """Velocity is proportional to a low frequency. R² of a line through the origin to 30 Hz at
+    least 0.95."""
     slope, explained = line(velocity(mode, "frequency", high=30.0), "frequency", True)
     return explained >= 0.95, {"way a pulse (µm)": 1e6 * slope, "R²": explained}
 
 
-@says(
-    "Velocity rolls off at high frequency. 10% or more below the line of S5 at 100, 120 and 150 Hz."
-)
 @of_both
 def s6(mode: Any) -> Found:
+    """Velocity rolls off at high frequency. 10% or more below the line of S5 at 100,
+    120 and 150 Hz."""
     slope, _ = line(velocity(mode, "frequency", high=30.0), "frequency", True)
     over = velocity(mode, "frequency", low=100.0) / (slope * mode.frequency)
     numbers = {f"over the line at {at} Hz": over.sel(frequency=at) for at in (100, 150)}
     return (over <= 0.9).all("frequency"), numbers
 
 
-@says("With little friction OPP is faster. Means for static friction 0.02, 0.05 and 0.1.")
 def s7(walks: Walks) -> Found:
+    """With little friction OPP is faster. Means for static friction 0.02, 0.05 and 0.1."""
     (ipp, opp), numbers = means(walks, "friction", 0.0, 0.1)
     return opp > ipp, numbers
 
 
-@says(
-    "With static friction from 0.2 to 1.0 both modes are about as fast. Mean difference at most "
-    "30% of the mean velocity."
-)
 def s8(walks: Walks) -> Found:
+    """With static friction from 0.2 to 1.0 both modes are about as fast. Mean difference at most
+    30% of the mean velocity."""
     ipp, opp = (velocity(walks[mode], "friction", 0.2, 1.0) for mode in MODES)
     mean = 0.5 * (abs(ipp) + abs(opp)).mean("friction")
     apart = abs(opp - ipp).mean("friction") / mean
     return apart <= 0.3, means(walks, "friction", 0.2, 1.0)[1] | {"mean difference": apart}
 
 
-@says("With static friction above 1 IPP is faster. Means for static friction 1.2 to 2.4.")
 def s9(walks: Walks) -> Found:
+    """With static friction above 1 IPP is faster. Means for static friction 1.2 to 2.4."""
     (ipp, opp), numbers = means(walks, "friction", 1.2, 2.4)
     return ipp > opp, numbers
 
 
-@says(
-    "With little adhesion OPP is faster, and more adhesion costs it more. Means to 0.05 µN, and "
-    "what is left of them at 0.4 to 0.6 µN."
-)
 def s10(walks: Walks) -> Found:
+    """With little adhesion OPP is faster, and more adhesion costs it more. Means to 0.05 µN, and
+    what is left of them at 0.4 to 0.6 µN."""
     (ipp, opp), numbers = means(walks, "adhesion", 0.0, 0.05e-6)
     (less_ipp, less_opp), _ = means(walks, "adhesion", 0.4e-6, 0.6e-6)
     of_ipp, of_opp = less_ipp / ipp, less_opp / opp
@@ -188,12 +162,10 @@ def s10(walks: Walks) -> Found:
     return holds, numbers | {"left of IPP": of_ipp, "left of OPP": of_opp}
 
 
-@says(
-    "Linear damping slows both modes, from where it matters little to where nothing moves. Within "
-    "10% to 1e-6 N s/m, never rising by more than that, below 2% at 1e-2 N s/m."
-)
 @of_both
 def s11(mode: Any) -> Found:
+    """Linear damping slows both modes, from where it matters little to where nothing moves. Within
+    10% to 1e-6 N s/m, never rising by more than that, below 2% at 1e-2 N s/m."""
     part = left(mode, "linear")
     level = (abs(part.sel(linear=slice(1e-6)) - 1.0) <= 0.1).all("linear")
     falls = (part.diff("linear") <= 0.1).all("linear")
@@ -209,44 +181,36 @@ def _little_then_slower(mode: Any) -> Found:
     return level & (last <= 0.9), {"left at 1e-13 N m s²": last}
 
 
-@says(
-    "Rotational damping matters little when low; then both modes lose alike. Within 10% to 3e-17 "
-    "N m s², slower by as much at 1e-13, and from 1e-15 on the part left of the velocity equal "
-    "within 15%."
-)
 def s12(walks: Walks) -> Found:
+    """Rotational damping matters little when low; then both modes lose alike. Within 10% to
+    3e-17 N m s², slower by as much at 1e-13, and from 1e-15 on the part left of the velocity equal
+    within 15%."""
     holds, numbers = _little_then_slower(walks)
     ipp, opp = (left(walks[mode], "rotational") for mode in MODES)
     apart = abs(ipp - opp).sel(rotational=slice(1e-15, None)).mean("rotational")
     return holds & (apart <= 0.15), numbers | {"mean difference from 1e-15 on": apart}
 
 
-@says(
-    "Velocity grows about linearly with the field, in IPP with some roll-off. R² of a line at "
-    "least 0.95 from 1.5 to 6.5 mT at 30 Hz, rising; in IPP the upper half less steep by 10% or "
-    "more."
-)
 @of_both
 def s13(mode: Any) -> Found:
+    """Velocity grows about linearly with the field, in IPP with some roll-off. R² of a line at
+    least 0.95 from 1.5 to 6.5 mT at 30 Hz, rising; in IPP the upper half less steep by 10% or more.
+    """
     (slope, explained), bent = line(mode.over_field, "field"), bend(mode.over_field, "field")
     holds = (slope > 0.0) & (explained >= 0.95) & ((mode["mode"] == "OPP") | (bent <= 0.9))
     return holds, {"((mm/s)/mT)": slope, "R²": explained, "upper slope over lower": bent}
 
 
-@says(
-    "Constant fields move nothing. Mean speed at most 1 µm/s for a second, at the sawtooth's "
-    "bottom and at its top."
-)
 @of_both
 def s14(mode: Any) -> Found:
+    """Constant fields move nothing. Mean speed at most 1 µm/s for a second, at the sawtooth's
+    bottom and at its top."""
     return mode.still_velocity <= 1e-6, {"(nm/s)": 1e9 * mode.still_velocity}
 
 
-@says(
-    "The greatest torque is 10.5 µN mm, the greatest force 240 nN. Within 1%, at 6.5 mT; the "
-    "force at the centre, or where the gradient is Table I's."
-)
 def s15(walks: Walks) -> Found:
+    """The greatest torque is 10.5 µN mm, the greatest force 240 nN. Within 1%, at 6.5 mT; the force
+    at the centre, or where the gradient is Table I's."""
     coils, robot = Coils(), Robot()
     moment = robot.length * robot.width * robot.height * robot.magnetization
     towards_the_coil = np.zeros((2001, 3))
@@ -264,25 +228,24 @@ def s15(walks: Walks) -> Found:
     }
 
 
-@says(
-    "One filament stands for the winding within 2.2%. In a cube of 25 mm, for a flat winding and "
-    "one as deep as wide."
-)
 def s16(walks: Walks) -> Found:
+    """One filament stands for the winding within 2.2%. In a cube of 25 mm, for a flat winding and
+    one as deep as wide."""
     flat, deep = (winding_difference(depth) for depth in (0.0, 0.5 * (_OUTER - _INNER)))
     numbers = {"from a flat winding (%)": flat * 100.0, "from a deep one (%)": deep * 100.0}
     return DataArray(max(flat, deep) <= 0.022), numbers
 
 
-@says(
-    "In a cube of 25 mm the fringe field stays below 2.5% of the main one. The greatest single "
-    "component across the coil's axis over the one along it."
-)
 def s17(walks: Walks) -> Found:
+    """In a cube of 25 mm the fringe field stays below 2.5% of the main one. The greatest single
+    component across the coil's axis over the one along it."""
     wide, narrow = fringe(25e-3), fringe(5e-3)
     numbers = {"greatest part in 25 mm (%)": wide * 100.0, "in 5 mm (%)": narrow * 100.0}
     return DataArray(wide < 0.025), numbers
 
+
+_ALL = (s1, s2, s3, s4, s5, s6, s7, s8, s9, s10, s11, s12, s13, s14, s15, s16, s17)
+STATEMENTS = {each.__name__.upper(): each for each in _ALL}
 
 _MOTION = 4  # statements on the motion itself, which the reference has to meet first
 
@@ -330,16 +293,12 @@ def judge(walks: Walks) -> tuple[pd.DataFrame, dict[str, Setting]]:
     reproduced" or "depends"; the `share` of the pairs of working settings for which it holds, NaN
     where settings do not enter; `at_reference`, whether it holds for the reference; the `settings`
     on which it depends most, each with the value for which it holds most often; and the `numbers`
-    at the reference by name. Without a pair of working settings there is a ValueError.
+    at the reference by name.
     """
-    results = {statement.__name__.upper(): statement(walks) for statement in STATEMENTS}
+    results = {name: statement(walks) for name, statement in STATEMENTS.items()}
     works = (walks["IPP"].works & walks["OPP"].works).transpose(*MODES)
-    at = {
-        mode: DataArray(places, dims="pair")
-        for mode, places in zip(MODES, np.nonzero(works.values), strict=True)
-    }
-    if not works.any():
-        raise ValueError("no setting of the grid walks forwards in both modes")
+    places = zip(MODES, np.nonzero(works.values), strict=True)
+    at = {mode: DataArray(place, dims="pair") for mode, place in places}
     holds = pd.DataFrame(
         {
             name: where.isel(at, missing_dims="ignore")
@@ -354,34 +313,40 @@ def judge(walks: Walks) -> tuple[pd.DataFrame, dict[str, Setting]]:
             for name in Setting._fields[1:]
         }
     )
-    pair = {mode: int(at[mode][_reference(walks, at, holds)]) for mode in MODES}
+    best = _reference(walks, at, holds)
+    pair = {mode: int(at[mode][best]) for mode in MODES}
+    rows = [_row(name, found, pair, holds, factors) for name, found in results.items()]
     reference = {
         mode: Setting(*(walks[mode][name].values.tolist()[pair[mode]] for name in Setting._fields))
         for mode in MODES
     }
-    rows = []
-    for line, (name, (where, numbers)) in zip(STATEMENTS.values(), results.items(), strict=True):
-        text, _, condition = line.partition(". ")
-        share = float(holds[name].mean() if name in holds else where.mean())
-        verdict = "reproduced" if share >= _REPRODUCED_FROM else "depends"
-        verdict = "not reproduced" if share <= _NOT_REPRODUCED_TO else verdict
-        depends = verdict == "depends" and name in holds
-        rows.append(
-            {
-                "statement": name,
-                "text": f"{text}.",
-                "condition": condition,
-                "verdict": verdict,
-                "share": share if name in holds else np.nan,
-                "at_reference": bool(where.isel(pair, missing_dims="ignore").all()),
-                "settings": _deciding(holds[name], factors) if depends else "",
-                "numbers": {
-                    what: float(DataArray(value).isel(pair, missing_dims="ignore"))
-                    for what, value in numbers.items()
-                },
-            }
-        )
     return pd.DataFrame(rows), reference
+
+
+def _row(
+    name: str, found: Found, pair: dict[str, int], holds: pd.DataFrame, factors: pd.DataFrame
+) -> dict[str, Any]:
+    """One statement in the table of `judge`; `pair` has the places of the reference."""
+    where, numbers = found
+    words = " ".join(str(STATEMENTS[name].__doc__).split())
+    text, _, condition = words.partition(". ")
+    share = float(holds[name].mean() if name in holds else where.mean())
+    verdict = "reproduced" if share >= _REPRODUCED_FROM else "depends"
+    verdict = "not reproduced" if share <= _NOT_REPRODUCED_TO else verdict
+    depends = verdict == "depends" and name in holds
+    return {
+        "statement": name,
+        "text": f"{text}.",
+        "condition": condition,
+        "verdict": verdict,
+        "share": share if name in holds else np.nan,
+        "at_reference": bool(where.isel(pair, missing_dims="ignore").all()),
+        "settings": _deciding(holds[name], factors) if depends else "",
+        "numbers": {
+            what: float(DataArray(value).isel(pair, missing_dims="ignore"))
+            for what, value in numbers.items()
+        },
+    }
 
 
 def _reference(walks: Walks, at: dict[str, DataArray], holds: pd.DataFrame) -> int:

@@ -15,28 +15,25 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stickslip import plot
-from stickslip._util import palette
-from stickslip._util.arrays import Array
-from stickslip._util.units import in_handy_units
-from stickslip.plot.motion import corners, lowest_corner, motion
-from stickslip.plot.style import drawing, root_figure
-from stickslip.reproduction.settings import (
+from paper.walks import (
     BASE,
-    FIELDS_TOGETHER,
     KINETIC_SHARE,
     MODES,
     SCANS,
     Scan,
     Setting,
+    interval,
     small_changes,
+    stroke_scenario,
 )
-from stickslip.reproduction.walks import interval, stroke_scenario
+from stickslip import Run, plot, simulate_batch, sweep
+from stickslip._util import palette
+from stickslip._util.arrays import Array
+from stickslip._util.units import in_handy_units
+from stickslip.plot.motion import corners, lowest_corner, motion
+from stickslip.plot.style import drawing, root_figure
 from stickslip.scenario.keys import known_keys
 from stickslip.simulation.quantities import COLUMNS
-from stickslip.simulation.run import Run
-from stickslip.simulation.simulate import simulate_batch
-from stickslip.sweeping.run_sweep import sweep
 
 
 class Curves(NamedTuple):
@@ -59,7 +56,10 @@ class Curves(NamedTuple):
 
 _FREQUENCY = ({"frequency": SCANS["frequency"]}, np.linspace(5.0, 150.0, 30))
 _FIELDS = (
-    {"peak alone": SCANS["field"], "all fields in proportion": FIELDS_TOGETHER},
+    {
+        "peak alone": SCANS["field"],
+        "all fields in proportion": SCANS["field"]._replace(proportional=True),
+    },
     np.linspace(1.5e-3, 6.5e-3, 26),
 )
 # Values span the axes of the paper's figures.
@@ -112,14 +112,14 @@ _TICKS = (-5.0, -2.0, 0.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000
 _PAINLEVE_FRICTION = 4.0 / 3.0
 
 
-def with_units(columns: Mapping[str, Any], units: Mapping[str, str]) -> pd.DataFrame:
-    """A table whose attribute "units" has the SI units of its columns, where they have one."""
+def with_units(columns: Mapping[str, Any], units: dict[str, str]) -> pd.DataFrame:
+    """A table whose attribute "units" has the SI units of its columns."""
     frame = pd.DataFrame(columns)
-    frame.attrs["units"] = {name: unit for name, unit in units.items() if unit not in ("-", "1")}
+    frame.attrs["units"] = units
     return frame
 
 
-def reference_runs(reference: Mapping[str, Setting], threads: int | None = None) -> dict[str, Run]:
+def reference_runs(reference: Mapping[str, Setting], threads: int | None) -> dict[str, Run]:
     """Twelve pulses at 30 Hz and a ramp down of the in-plane coil, for each mode."""
     scenarios = [
         stroke_scenario(chosen).replace({"drive.ramp_down": 0.05}) for chosen in reference.values()
@@ -202,7 +202,7 @@ def draw_motion(name: str, run: Run) -> Figure:
 
 
 def curve_table(
-    name: str, reference: Mapping[str, Setting], count: int, threads: int | None = None
+    name: str, reference: Mapping[str, Setting], count: int, threads: int | None
 ) -> pd.DataFrame:
     """The data of a figure of velocities, with `count` small changes for each point.
 
@@ -244,7 +244,7 @@ def draw_curves(name: str, table: pd.DataFrame, points: pd.DataFrame | None = No
     unit of the figure's key) and y (m/s), those of this figure are drawn on top.
     """
     curves = CURVES[name]
-    factor, label = in_handy_units(curves.scan.axis, table.attrs["units"].get(curves.column, "1"))
+    factor, label = in_handy_units(curves.scan.axis, table.attrs["units"][curves.column])
     with drawing(None, (5.4, 3.4)) as axes:
         for (mode, words), rows in table.groupby(["mode", "varied"], sort=False):
             is_first = curves.scans[words] == curves.scan
