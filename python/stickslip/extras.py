@@ -26,16 +26,16 @@ _DIAGNOSIS = (
     *("Series", "diagnose_model", "events", "free_law", "instruments", "models"),
     *("diagnose_change", "read_measurement"),
 )
-_NEEDED: dict[str, tuple[str, ...]] = {
-    "Optimum": ("optimise",),
-    "optimise": ("optimise",),
-    "plot": ("plot",),
-    "predict": ("netcdf",),
-    "sweep": ("netcdf",),
-    "sweep_dataframe": ("netcdf",),
-    **dict.fromkeys(_DIAGNOSIS, ("diagnosis",)),
+_NEEDED = {
+    "Optimum": "optimise",
+    "optimise": "optimise",
+    "plot": "plot",
+    "predict": "netcdf",
+    "sweep": "netcdf",
+    "sweep_dataframe": "netcdf",
+    **dict.fromkeys(_DIAGNOSIS, "diagnosis"),
 }
-"""Extras of the public names and commands that need them."""
+"""The extra of each public name and command that needs one."""
 
 
 class MissingExtra(ImportError):
@@ -44,23 +44,21 @@ class MissingExtra(ImportError):
     Its `name` is that of the missing module.
     """
 
-    def __init__(self, what: str, module: str, *extras: str) -> None:
-        wanted = ",".join(extras)
-        how = f'pip install ".[{wanted}]" in the folder of stickslip'
+    def __init__(self, what: str, module: str, extra: str) -> None:
+        how = f'pip install ".[{extra}]" in the folder of stickslip'
         super().__init__(f"{what} needs {module}: {how}", name=module)
 
 
 def check_extras(what: str, name: str) -> None:
-    """Raise MissingExtra if a public name or command lacks a module of its extras.
+    """Raise MissingExtra if a public name or command lacks a module of its extra.
 
     Modules are found, not imported, before a long calculation whose result needs them. `what` is
     the subject of the message.
     """
-    extras = _NEEDED.get(name, ())
-    for extra in extras:
-        for module in EXTRAS[extra]:
-            if not _is_there(module):
-                raise MissingExtra(what, module, *extras)
+    extra = _NEEDED.get(name, "")
+    for module in EXTRAS.get(extra, ()):
+        if not _is_there(module):
+            raise MissingExtra(what, module, extra)
 
 
 def _is_there(module: str) -> bool:
