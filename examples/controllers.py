@@ -7,9 +7,10 @@ pulse whose step is the distance; how far one came scales its next ones.
 """
 
 import numpy as np
+from follower import field_voltages
 
 from stickslip import STATE_COLUMNS, Drive, Scenario, rollout
-from stickslip.control import Camera, Film, field_voltages
+from stickslip.control import Camera, Film
 
 PRIORS = {  # of friction, adhesion and drag
     "contact.kinetic_friction": {"mean": 0.145, "sd": 0.01},

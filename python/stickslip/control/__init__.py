@@ -1,4 +1,4 @@
-"""For controllers, beside a `Simulator`: a camera, paths, voltages along a heading.
+"""For controllers, next to a `Simulator`: a camera, and voltages along a heading.
 
 `stickslip.control.environments` has environments of Gymnasium; it needs the extra ``gym``.
 """
@@ -6,17 +6,6 @@
 from __future__ import annotations
 
 from stickslip.control.camera import Camera, Film
-from stickslip.control.follower import Followed, Follower, follow
-from stickslip.control.path import Path
-from stickslip.control.steering import field_voltages, heading_voltages
+from stickslip.control.steering import heading_voltages
 
-__all__ = [
-    "Camera",
-    "Film",
-    "Followed",
-    "Follower",
-    "Path",
-    "field_voltages",
-    "follow",
-    "heading_voltages",
-]
+__all__ = ["Camera", "Film", "heading_voltages"]
