@@ -11,6 +11,7 @@ vector, draw row i by ``side_view(envs.robots[i], envs.states[i])``.
 from __future__ import annotations
 
 import argparse
+import itertools
 from typing import Any
 
 import gymnasium
@@ -58,7 +59,7 @@ def view_from_above(
     x, y, _, _, heading = state[PLACE]
     length, width = robot.robot.length, robot.robot.width
     image, points = empty(x, y, 2.0 * LENGTHS * length)
-    for begin, end in [] if path is None else zip(path[:-1], path[1:], strict=True):
+    for begin, end in [] if path is None else itertools.pairwise(path):
         along = np.clip((points - begin) @ (end - begin) / np.sum((end - begin) ** 2), 0.0, 1.0)
         away = points - begin - along[..., None] * (end - begin)
         image[np.hypot(away[..., 0], away[..., 1]) < 0.05 * length] = GREY
@@ -127,33 +128,36 @@ class View(gymnasium.Wrapper[Any, Any, Any, Any]):
         self._goal = np.array([x + cosine * ahead - sine * left, y + sine * ahead + cosine * left])
 
 
-def film(env: View, steps: int, every: int = 1) -> list[Pixels]:
-    """Play pulses towards the goal, at most so many steps, and draw every so many of them."""
-    observation, _ = env.reset(seed=1)
-    frames = [env.render()]
+def film(env: View, steps: int, every: int) -> tuple[list[Pixels], bool]:
+    """Play pulses towards the goal, at most so many steps, and draw every so many of them.
+
+    Also returns whether the goal is reached.
+    """
+    observation, info = env.reset(seed=1)
+    frames, over = [env.render()], False
     for step in range(steps):
         xp = PULSE[step % 10]
         turn = np.clip(np.arctan2(observation[1], observation[0]), -1.0, 1.0)
         action = [xp, -0.4] if env.action_space.shape == (2,) else [turn, 2.5 * xp - 1.5, -0.4]
-        observation, _, terminated, truncated, _ = env.step(np.float32(action))
-        if step % every == 0:
+        observation, _, *ends, info = env.step(np.float32(action))
+        over = any(ends)
+        if step % every == 0 or over:
             frames.append(env.render())
-        if terminated or truncated:
+        if over:
             break
-    return frames
+    return frames, bool(info["success"])
 
 
 def main() -> None:
     """Write a film of an episode."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--above", action="store_true")
-    parser.add_argument("--steps", type=int)
-    options = parser.parse_args()
-    task, steps, every = ("reach", 2000, 20) if options.above else ("walk", 200, 1)
-    env = View(gymnasium.make(f"stickslip/{task.capitalize()}-v0"))
-    first, *others = map(Image.fromarray, film(env, options.steps or steps, every))
+    task, steps, every = ("reach", 2000, 20) if parser.parse_args().above else ("walk", 100, 1)
+    frames, reached = film(View(gymnasium.make(f"stickslip/{task.capitalize()}-v0")), steps, every)
+    first, *others = map(Image.fromarray, frames)
     timing = {"duration": 1000 // FRAMES, "loop": 0}  # ms; for ever
     first.save(f"{task}.webp", save_all=True, append_images=others, lossless=True, **timing)
+    print(f"{len(frames)} frames{', the goal is reached' * reached}")
 
 
 if __name__ == "__main__":

@@ -40,7 +40,7 @@ from stickslip import (
     sweep,
     velocity_of_track,
 )
-from stickslip.control import Path
+from stickslip.control.environments import RobotEnv
 from stickslip.diagnosis.data.series import with_repeats
 from stickslip.diagnosis.model import ForwardModel
 from stickslip.models import vectorised
@@ -249,6 +249,13 @@ CORNERS = np.array([[0.0, 0.0], [2e-3, 0.0], [2e-3, 1e-3]])
 SHAKEN = np.array([[0.0, 1.0, 2.0], [0.1, -1.0, 3.0], [0.2, 1.0, 2.0]])
 STATE = np.array([Scenario().initial.row])
 
+
+def seen_goal(task, **options):
+    """Where an environment shows the goal, from a robot 0.2 mm before a corner of `CORNERS`."""
+    near = Scenario(initial=State(x=-0.2e-3))
+    return RobotEnv(task=task, scenario=near, **options).reset(seed=1)[0][:2]
+
+
 # What a door makes of numbers whose last axis it knows by name, the names, and numbers.
 NAMED = {
     "waveform": (lambda v: Waveform.from_points([0, 1, 2], v).points()[1], COIL_NAMES, PROGRAM),
@@ -262,7 +269,8 @@ NAMED = {
     "points": (lambda v: Coils().field(v, PROGRAM[0]), tuple("xyz"), PLACES),
     "turns": (lambda v: Coils(turns=v).turns, COIL_NAMES, 100.0 * PROGRAM[0]),
     "map": (lambda v: FieldMap.from_points(v, MAPPED).coefficients, tuple("xyz"), PLACES),
-    "path": (lambda v: Path(v).points, tuple("xy"), CORNERS),
+    "path": (lambda v: seen_goal("follow", path=v), tuple("xy"), CORNERS),
+    "goal": (lambda v: seen_goal("reach", goal=v), tuple("xy"), CORNERS[2]),
     "shake": (lambda v: Accelerations(v).rows, ("t", "ax", "az"), SHAKEN),
 }  # fmt: skip
 LABELLED = {

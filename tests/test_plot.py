@@ -29,10 +29,9 @@ from stickslip import (
     simulate,
     sweep,
 )
-from stickslip.control import Path
 from stickslip.plot import style
 
-WANTED = Path([(0.0, 0.0), (1.5e-3, 0.0), (1.5e-3, 0.5e-3)])
+WANTED = np.array([(0.0, 0.0), (1.5e-3, 0.0), (1.5e-3, 0.5e-3)])
 BASE = Scenario(drive=Drive(base=0.5e-3, pulses=5))
 FREQUENCIES = [20.0, 50.0, 100.0]
 FIVE = [2.0, -1.0, 0.5, 0.0, -3.0]
@@ -220,11 +219,11 @@ def test_the_outlines_are_the_body_as_seen_from_above(name):
             assert extent == pytest.approx((expected.min(), expected.max()))
 
 
-@pytest.mark.parametrize("along", [WANTED, WANTED.points.tolist()])
+@pytest.mark.parametrize("along", [WANTED, WANTED.tolist()])
 def test_the_wanted_path_is_drawn_beside_the_one_that_was_walked(along):
     above = plot.path(recorded("a turn"), along=along).axes[0]
     (wanted,) = [line for line in above.get_lines() if line.get_label() == "wanted"]
-    np.testing.assert_allclose(wanted.get_xydata(), WANTED.points * factor_of(above))
+    np.testing.assert_allclose(wanted.get_xydata(), WANTED * factor_of(above))
 
 
 @pytest.mark.parametrize("name", ["a turn", "along -x", "opp"])

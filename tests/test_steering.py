@@ -223,6 +223,10 @@ def test_the_voltages_of_a_quarter_turn_leave_the_coils_across_off():
     expected = [[26, 0, 0, 0], [0, 0, 26, 0], [0, -26, 0, 0], [0, 0, 0, -26]]
     assert (rows[:, :4] == [expected[n % 4] for n in range(len(quarters))]).all()
     assert (rows[:, 4] == -10.0).all()
+    part = 26.0 * math.sqrt(0.5)
+    between = steering_voltages(np.radians([45.0, 135.0, -135.0]), 26.0, 0.0)[:, :4]
+    expected = [[part, 0, part, 0], [0, -part, part, 0], [0, -part, 0, -part]]
+    assert between == pytest.approx(np.array(expected))
 
 
 @pytest.mark.parametrize("heading", [0.0, math.pi])

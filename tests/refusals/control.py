@@ -1,4 +1,4 @@
-"""Bad input to the design of drives, cameras, paths and environments.
+"""Bad input to the design of drives, cameras, headings and environments.
 
 Each row: a name, what is done with a folder, the type of the error, and words of its one line.
 """
@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip import Drive, Scenario, ScenarioError, optimise, simulate
 from stickslip._util.prior import Prior
-from stickslip.control import Camera, Film, Path, follow, heading_voltages
+from stickslip.control import Camera, Film, heading_voltages
 from stickslip.control.environments import RobotEnv, RobotVectorEnv
 from stickslip.scenario.waveform import drive_waveform
 
@@ -31,6 +31,10 @@ def env(**options):
     return lambda _: RobotEnv(**options)
 
 
+def path(corners):
+    return env(task="follow", path=corners)
+
+
 def act(action, **options):
     """An action of a robot that has begun."""
 
@@ -40,12 +44,6 @@ def act(action, **options):
         env.step(action)
 
     return acted
-
-
-def far_path(_):
-    """A path whose distance is known when the robot is drawn."""
-    uncertain = {"initial.x": {"mean": 3e-3, "sd": 1e-9}}
-    RobotEnv(task="follow", path=[(0, 0), (1e-3, 0)], uncertain=uncertain).reset(seed=1)
 
 
 ROWS = [
@@ -96,25 +94,12 @@ ROWS = [
     ("film's period", lambda _: Film(Camera(), 0, np.zeros(2)), "period = 0"),
     ("film's pose", lambda _: Film(Camera(), 1e-3, np.zeros(3)), "pose of shape (3,)"),
     ("film's camera", lambda _: Film(30, 1e-3, np.zeros(2)), "camera = 30"),
-    # paths and headings
-    ("path of numbers", lambda _: Path([1.0, 2.0, 3.0]), "path of shape (3,)"),
-    ("one corner", lambda _: Path([(0.0, 0.0)]), "path of shape (1, 2)"),
-    ("corner nan", lambda _: Path([(0.0, 0.0), (math.nan, 0.0)]), "finite"),
-    ("path of two numbers by name", lambda _: Path({"x": 1e-3, "y": 2e-3}), "of shape (2,)"),
-    ("path a word", lambda _: Path("L"), 'path = "L": allowed is shape (k, 2)'),
-    ("no path", lambda _: Path(None), "path = None"),
-    ("ragged path", lambda _: Path([(0.0, 0.0), (1.0,)]), "allowed is shape"),
-    ("corner twice", lambda _: Path([(0.0, 0.0), (0.0, 0.0)]), "corner 1 is where"),
-    ("width", lambda _: Path.figure_of_eight(0), "width = 0"),
+    # headings
     ("heading", lambda _: heading_voltages("north", 26, -10), "finite numbers of rad"),
     ("heading nan", lambda _: heading_voltages(math.nan, 26.0, -10.0), "heading = nan"),
     ("along", lambda _: heading_voltages(0.0, math.inf, -10.0), "along = inf"),
     ("clamp", lambda _: heading_voltages(0.0, 26.0, None), "clamp = None"),
     ("shapes", lambda _: heading_voltages(np.zeros(3), np.zeros(2), 0.0), "(3,), (2,), ()"),
-    # controllers of a scenario
-    ("follower's path", lambda _: follow(START, [(0, 0), (1, 0)]), "path = [(0, 0), (1, 0)]"),
-    ("path in mm", lambda _: follow(START, Path([(0, 0), (2, 0)])), "path: (2, 0) m lies beyond"),
-    ("follower's time", lambda _: follow(START, Path([(0, 0), (1e-3, 0)]), limit=0), "limit = 0"),
     # environments
     ("task", env(task="raech"), 'did you mean "reach"'),
     ("env's camera", lambda _: gymnasium.make("stickslip/Walk-v0", camera=30), "camera = 30"),
@@ -134,10 +119,15 @@ ROWS = [
     ("coils twice", env(coils=("xp", "xp")), "each coil once"),
     ("no clamp", env(task="follow", coils=("xp", "yp")), '"clamp" and one'),
     ("path of reach", env(task="reach", path=[(0, 0), (1, 0)]), 'the task "reach" follows none'),
-    ("path away", env(task="follow", path=[(5e-3, 0), (6e-3, 0)]), "begins 5 mm from the robot"),
-    ("path away when drawn", far_path, "the path begins 3 mm"),
-    ("path beyond", env(task="follow", path=[(0, 0), (2, 0)]), "x from -0.099 to 0.099 m"),
-    ("path of a word", env(task="follow", path="L"), 'path = "L"'),
+    ("path away", act([0, 0, 0], task="follow", path=[(5e-3, 0), (6e-3, 0)]), "begins 5 mm"),
+    ("path beyond", path([(0, 0), (2, 0)]), "path: (2, 0) m lies beyond the coils' field: "),
+    ("path a word", path("L"), 'path = "L": allowed is shape (k, 2)'),
+    ("path of numbers", path([1.0, 2.0, 3.0]), "path of shape (3,)"),
+    ("path of two numbers by name", path({"x": 1e-3, "y": 2e-3}), "of shape (2,)"),
+    ("one corner", path([(0.0, 0.0)]), "path of shape (1, 2)"),
+    ("corner nan", path([(0.0, 0.0), (math.nan, 0.0)]), "finite"),
+    ("ragged path", path([(0.0, 0.0), (1.0,)]), "allowed is shape"),
+    ("corner twice", path([(0.0, 0.0), (0.0, 0.0)]), "corner 1 is where"),
     ("goal beyond", env(task="reach", goal=(0.0, 1.0)), "goal: (0, 1) m lies beyond"),
     ("goal nan", env(task="reach", goal=(math.nan, 0.0)), "allowed is x and y"),
     ("goal of three", env(task="reach", goal=(0, 0, 0)), "of shape (3,): allowed is shape (2,)"),
@@ -146,6 +136,7 @@ ROWS = [
     ("voltage", env(voltage=math.nan), "voltage = nan"),
     ("period 0", env(period=0), "period = 0: allowed is a finite number of s above 0"),
     ("period a word", env(period="x"), 'period = "x"'),
+    ("render mode", env(render_mode="rgb_array"), "there is no such argument"),
     ("steps", env(max_episode_steps=-1), "max_episode_steps = -1: allowed is a whole"),
     ("prior", env(uncertain={"robot.mass": Prior("normal", 1e3, 1.0)}), "robot.mass"),
     ("y in one plane", lambda _: simulate(START, until="y >= 1e-3"), "plane y = 0"),

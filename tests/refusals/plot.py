@@ -102,7 +102,7 @@ REFUSALS = [
     ("labels", film(0.1, 0.2, labels=["a"]), ValueError, "labels has 1 entries: allowed are 2"),
     ("axes", film(0.1, ax=[]), ValueError, "ax has 0 entries: allowed are 1"),
     *(
-        ("path", along(path), ScenarioError, "a Path, or its corners")
+        ("path", along(path), ScenarioError, "shape (k, 2) of corners, m")
         for path in ("L", [1.0, 2.0], [(0.0, 0.0), (math.nan, 0.0)])
     ),
     ("suffix", saved("a.docx"), ValueError, ".png"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -28,18 +28,12 @@ _COILS = {"xp": (0.975, 0.5), "xm": (0.025, 0.5), "yp": (0.5, 0.97), "ym": (0.5,
 """Where the coils lie, as parts of the axes."""
 
 
-class Polyline(Protocol):
-    """A `stickslip.control.Path`, as far as a picture needs it."""
-
-    points: Array
-
-
 def path(
     run: Run,
     start: float | None = None,
     stop: float | None = None,
     ax: Axes | None = None,
-    along: Polyline | ArrayLike | None = None,
+    along: ArrayLike | None = None,
 ) -> Figure:
     """Draw the path of the robot as seen from above.
 
@@ -54,8 +48,8 @@ def path(
     ax : matplotlib.axes.Axes, optional
         Where to draw the view from above, without what is beside it; a new figure with both, if
         not given.
-    along : stickslip.control.Path or array_like of shape (k, 2), optional
-        The path that was to be walked, or its corners, x and y in m; drawn under the one that was.
+    along : array_like of shape (k, 2), optional
+        Corners x and y of the path that was to be walked, m; drawn under the one that was.
 
     Raises
     ------
@@ -65,8 +59,7 @@ def path(
     shown = motion(run).between(start, stop)
     wanted = np.empty((0, 2))
     if along is not None:
-        corners = getattr(along, "points", along)
-        wanted = in_columns("along", corners, ("x", "y"), "a Path, or its corners in m", axes=2)
+        wanted = in_columns("along", along, ("x", "y"), "shape (k, 2) of corners, m", axes=2)
     factor, unit = style.length(shown.x, shown.y, shown.way, wanted)
     with matplotlib.rc_context(RC):
         if ax is not None:
