@@ -294,7 +294,7 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
 
 
 class RobotEnv(gymnasium.Env[Array, Array]):
-    """One robot; parameters are those of `RobotVectorEnv`, whose vector of one is `vector`."""
+    """Step one robot, by the parameters of `RobotVectorEnv`; `vector` is that of it alone."""
 
     __copy__ = deepcopy
 

@@ -28,12 +28,6 @@ def heading_voltages(heading: ArrayLike, along: ArrayLike, clamp: ArrayLike) -> 
     ------
     ScenarioError
         If one of these is not finite, or if their shapes do not broadcast.
-
-    Examples
-    --------
-    >>> from stickslip.control import heading_voltages
-    >>> heading_voltages(0.0, 26.0, -10.0).tolist()
-    [26.0, 0.0, 0.0, 0.0, -10.0]
     """
     given = [
         numbers("heading", heading, "finite numbers of rad"),

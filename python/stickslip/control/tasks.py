@@ -47,13 +47,7 @@ some 2 mm/s needs half of the steps.
 
 
 class Targets:
-    """The goal of each robot, or the path and how far each has come along it.
-
-    Raises
-    ------
-    ScenarioError
-        If the task takes no such path or goal, or one lies where no field is known.
-    """
+    """The goal of each robot, or the path and how far each has come along it."""
 
     def __init__(
         self,
