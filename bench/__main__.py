@@ -24,7 +24,7 @@ PROGRAMS = {
     "drawn": ("drawn_logs", "drawn logs and tables of known truth, right, noted or refused"),
     "real": ("real.study", "measured sets with a known cause, diagnosed and judged"),
     "mutations": ("mutations", "whether the tests see a change of the C++ or Python sources"),
-    "lines": ("lines", "lines of each wing of the project, beside its budget"),
+    "lines": ("lines", "lines of each wing of the project"),
 }
 """Name, module and what it shows."""
 

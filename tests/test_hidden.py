@@ -236,6 +236,31 @@ def test_a_machine(row):
         assert found["sd"] < 0.2 * size
 
 
+@pytest.mark.parametrize(
+    ("armature", "inertia", "said"),
+    [
+        (0.005, 0.02, ("named", ["armature"])),
+        (0.005, (0.02, 0.001), ("ambiguous", ["armature", "inertia"])),
+        (0.0, 0.02, ("none", [])),
+    ],
+)
+@pytest.mark.daily("said0", "said2")
+def test_an_armature_is_told_as_far_as_the_inertia_of_the_load_is_known(armature, inertia, said):
+    own, random = KINDS["servo"], np.random.default_rng([81, 3])
+    t = own["step"] * np.arange(120)
+    goal = 0.8 * np.repeat(random.uniform(-1.0, 1.0, 12), 10)
+    stated = {name: value for name, (value, _) in own["constants"].items()}
+    hidden = {**stated, **own["known"], "start": 0.0, "armature": armature}
+    y = simulated("servo", hidden, t, goal) + 0.004 * random.standard_normal(len(t))
+    known = {**own["known"], "inertia": inertia}
+    priors = {name: (value, part * value) for name, (value, part) in own["constants"].items()}
+    log = Series(t, y, {"goal": goal}, unit="rad")
+    every = models.servo(**known, **priors).terms(log)[1]
+    less = {one.name for one in every} - {"armature", "load_friction"}
+    found = diagnose_model(models.servo(**known, **priors, without=[*less]), log).verdict
+    assert (found.kind, sorted(found.causes)) == said
+
+
 @pytest.mark.parametrize("row", WALKERS, ids=ids(WALKERS))
 def test_a_walker(row, tmp_path, monkeypatch):
     few_causes(monkeypatch, EFFECTS[row[0]])

@@ -45,7 +45,8 @@ def imports(node, inside=False, types=False):
     for each in ast.iter_child_nodes(node):
         if isinstance(each, ast.ImportFrom) and (each.module or "").startswith("stickslip"):
             module = each.module.removeprefix("stickslip").lstrip(".")
-            for name in [module] if module else [name.name for name in each.names]:
+            within = [f"{module}.{name.name}".lstrip(".") for name in each.names]
+            for name in [module, *within] if module else within:
                 yield name, inside, types
         elif isinstance(each, (ast.stmt, ast.ExceptHandler)):  # no expression has any
             checked = isinstance(each, ast.If) and ast.unparse(each.test) == "TYPE_CHECKING"
@@ -92,6 +93,16 @@ def test_a_module_imports_packages_before_its_own():
         if place(name) > place(module)
     }
     assert later == set()
+
+
+def test_no_modules_import_each_other_in_a_circle():
+    needed = {
+        module: {name for name, *_ in found} & modules().keys() - {module}
+        for module, found in modules().items()
+    }
+    while leaves := {name for name, others in needed.items() if not others & needed.keys()}:
+        needed = {name: others for name, others in needed.items() if name not in leaves}
+    assert needed == {}
 
 
 def test_no_function_imports_another_package():
