@@ -1,7 +1,5 @@
 """Small models of which the answers are known."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from stickslip import Cause, Parameter, Prior, Table
@@ -57,14 +55,3 @@ def fitted(posed, causes=(), form="exact", at=None):
 
     at = np.zeros(posed.size) if at is None else at
     return finished(posed, minimise(posed, forms(posed)[form], causes, at))
-
-
-def counting(posed):
-    """The same problem, and the sizes of the batches of which it is asked."""
-    batches = []
-
-    def counted(values):
-        batches.append(len(values))
-        return posed.model(values)
-
-    return replace(posed, model=counted), batches

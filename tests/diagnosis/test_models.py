@@ -12,14 +12,13 @@ import sliding_block
 from stickslip.diagnosis.data.errors import Errors
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.gain import held_out, measured, parts_of
-from stickslip.diagnosis.fitting.descent import End, derivatives, descend, finished, run_batched
+from stickslip.diagnosis.fitting.descent import derivatives, descend, finished
 from stickslip.diagnosis.fitting.draws import drawn
 from stickslip.diagnosis.fitting.forms import forms
-from stickslip.diagnosis.fitting.models import covariance_beside, laplace, linear, minimise
+from stickslip.diagnosis.fitting.models import covariance_beside, laplace
 from stickslip.diagnosis.fitting.problem import LOST, Cached, Problem
-from stickslip.diagnosis.fitting.search import Models, _fit_exact_again, _fit_other_forms
 from stickslip.diagnosis.model import posed
-from toys import BEND, LEVEL, SLOPE, STEP, WAVE, counting, data, fitted, problem, shapes
+from toys import BEND, LEVEL, SLOPE, STEP, WAVE, data, fitted, problem, shapes
 
 X = np.linspace(1.0, 3.0, 30)
 
@@ -167,13 +166,6 @@ def test_estimated_errors_have_students_law():
     assert form.density(residual, np.zeros(0)) == pytest.approx(wanted, rel=1e-9)
 
 
-def test_small_tables_and_short_runs_have_fewer_forms():
-    assert set(forms(problem(data(n=10)))) == {"exact", "white"}
-    assert set(forms(problem(data(n=30)))) == {"exact", "white", "smooth"}
-    # Along a run a smooth discrepancy would take each cause.
-    assert set(forms(problem(data(n=30, run=np.zeros(30))))) == {"exact", "white", "ar1"}
-
-
 def broken(change):
     """The line, with rows that a function of the slope and of what is made spoils."""
     table = data()
@@ -246,15 +238,6 @@ def test_held_out_errors_are_those_of_refits(name):
     assert np.concatenate(parts).tolist() == list(range(30))
 
 
-def test_predictions_are_made_once():
-    calls = []
-    cached = Cached(lambda values: calls.append(len(values)) or values[:, :1] * np.ones(3))
-    values = np.array([[1.0], [2.0], [1.0]])
-    assert cached(values)[:, 0].tolist() == [1.0, 2.0, 1.0]
-    assert cached(values[:2])[:, 0].tolist() == [1.0, 2.0]
-    assert calls == [2]
-
-
 def test_a_refit_that_meets_the_end_of_a_range_moves_the_rest():
     # Friction and the law are a product: where one meets its end, the other has to make up for it.
     law, sd = sliding_block.OVER_SPEED, sliding_block.SD
@@ -267,75 +250,3 @@ def test_a_refit_that_meets_the_end_of_a_range_moves_the_rest():
     # Of a right model about sqrt(2 / pi), and more at the ends of a law that is known by its data.
     assert np.mean(missed) < 1.6
     assert measured(block, null, found).certain
-
-
-@pytest.mark.parametrize("stuck", ["exact", "smooth"])
-def test_a_form_that_is_stuck_begins_again_where_another_one_is(stuck):
-    posed = problem(data(0.6 * np.sin(5.0 * X)), [WAVE])
-    models = Models(posed, posed.causes)
-    null = models.add(fitted(posed))
-    good = "smooth" if stuck == "exact" else "exact"
-    best = models.add(fitted(posed, [WAVE], good))
-    # Without any of the cause, which a large discrepancy makes up for.
-    slopes = finished(posed, derivatives(posed, null.x, posed.free([WAVE]), null.residual))
-    end = End(null.x, null.residual, slopes, math.nan)
-    bad = linear(posed, models.forms[stuck], [WAVE], end)
-    # No descent from there finds what the linear model promises.
-    bad = models.add(replace(bad, log_evidence=bad.log_evidence - 5.0))
-    assert bad.chi2 > best.chi2 + 100.0
-    (_fit_exact_again if stuck == "exact" else _fit_other_forms)(models)
-    found = models.get(["wave"], stuck)
-    assert found.chi2 < bad.chi2 - 100.0
-    assert posed.physical(found.x[None, :])[0, 2] == pytest.approx(0.6, abs=0.1)
-
-
-def test_searches_in_step_end_as_each_does_by_itself_in_fewer_batches():
-    posed, batches = counting(problem(data(0.6 * np.sin(5.0 * X))))
-    form = forms(posed)["exact"]
-    searches = [(cause,) for cause in posed.causes]
-    alone, most = [], 0
-    for causes in searches:
-        batches.clear()
-        alone.append(fitted(posed, causes))
-        most = max(most, len(batches))
-    batches.clear()
-    every = [minimise(posed, form, causes, np.zeros(posed.size)) for causes in searches]
-    for one, other in zip(alone, run_batched(posed, every), strict=True):
-        assert (one.name, one.log_evidence) == (other.name, other.log_evidence)
-        assert np.array_equal(one.x, other.x)
-    assert len(batches) == most
-
-
-def test_a_step_that_gains_what_is_hoped_is_tried_without_damping_alone():
-    posed, batches = counting(problem(data(0.0)))
-    end = finished(
-        posed, descend(posed, forms(posed)["exact"], np.zeros(0), [WAVE], np.zeros(posed.size))
-    )
-    # Where it begins, its slopes, and two steps: of two dampings in none.
-    assert batches == [1, 3, 1, 1]
-    assert end.cost < 40.0
-
-
-def counted(posed, search):
-    """The result of a search, and how many predictions it asked for."""
-    answer, count = None, 0
-    while True:
-        try:
-            points, cheap = search.send(answer)
-        except StopIteration as end:
-            return end.value, count
-        count += len(points)
-        answer = posed.residuals(points, cheap)
-
-
-def test_a_fit_whose_promise_is_too_small_is_given_up():
-    posed = problem(data(0.4 * np.sin(5.0 * X)), (WAVE,))
-    (fit, whole), (given_up, part) = (
-        counted(
-            posed, minimise(posed, forms(posed)["white"], (WAVE,), np.zeros(posed.size), **least)
-        )
-        for least in ({}, {"least": np.inf})
-    )
-    assert part < whole
-    # What is only promised does not count.
-    assert given_up.log_evidence < fit.log_evidence

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.stats import f
 
 from sliding_block import (
     FRICTION,
@@ -18,21 +17,11 @@ from sliding_block import (
 )
 from stickslip import Cause, Parameter, Prior, Series, Table, diagnose_model, instruments, models
 from stickslip._util.note import Note
-from stickslip.diagnosis.fitting.descent import End, derivatives, finished
-from stickslip.diagnosis.fitting.options import DESCENT, JUMPING, SEARCH, SMOOTH, vary
-from stickslip.diagnosis.fitting.responses import responses
-from stickslip.diagnosis.fitting.search import (
-    Models,
-    _fit_singles,
-    _leaves_too_little,
-    _look_beside,
-    search,
-)
-from stickslip.diagnosis.fitting.starts import recalibrated
+from stickslip.diagnosis.fitting.options import DESCENT
 from stickslip.diagnosis.model import posed
 from stickslip.diagnosis.pipeline import run
 from stickslip.diagnosis.terms.laws import free_law
-from toys import LEVEL, SLOPE, WAVE, data, fitted, problem, shapes
+from toys import LEVEL, SLOPE, WAVE, data, problem, shapes
 
 X = np.linspace(1.0, 3.0, 30)
 
@@ -68,53 +57,6 @@ def test_the_truth_is_found_among_many_causes_and_pairs(hidden):
     assert values[chosen] == pytest.approx(list(hidden.values()), abs=0.1)
 
 
-@pytest.mark.parametrize("hidden", [{3: 0.5}, {2: 0.8, 9: -0.6}], ids=["single", "pair"])
-def test_fits_of_jumping_predictions_end_once_they_cannot_lead(hidden, monkeypatch):
-    """The options of smooth predictions give the same verdict, and no better end, by far more."""
-    causes, columns, model = crowd(10)
-    table = data(sum(size * columns[k] for k, size in hidden.items()), sd=0.05)
-    asked, found = [], []
-
-    def jumping(table, p):
-        asked[-1] += len(p["slope"])
-        return np.round(model(table, p), 2)
-
-    for effort in (SMOOTH, JUMPING):
-        monkeypatch.setattr("stickslip.diagnosis.fitting.problem.JUMPING", effort)
-        asked.append(0)
-        simulated = posed(table, jumping, [SLOPE, LEVEL], causes, low_fidelity=model)
-        found.append(run(simulated, 0))
-    names = tuple(sorted(f"c{k}" for k in hidden))
-    assert [each.verdict.causes for each in found] == [names, names]
-    many, few = (each.models.get(names) for each in found)
-    assert few.log_evidence > many.log_evidence - 0.3  # a jump more or less
-    assert asked[1] < 0.6 * asked[0], asked
-
-
-def test_an_option_is_varied_for_all_that_follows():
-    causes, columns, model = crowd(4)
-    posed_pair = posed(data(columns[0] + columns[1], sd=0.05), model, [SLOPE, LEVEL], causes)
-    most = []
-    for count in (1, SEARCH.most_causes):
-        vary(SEARCH, most_causes=count)
-        most.append(max(len(names) for names, _ in run(posed_pair, 0).models.best))
-    assert most == [1, 2]
-    with pytest.raises(TypeError):
-        vary(SEARCH, most=1)
-
-
-def test_what_is_far_behind_is_not_fitted_again_in_other_forms():
-    """A fit in another inner product gains little: the verdict is the same, with fewer fits."""
-    kinds, counts = [], []
-    for room in (np.inf, SEARCH.refitted):
-        vary(SEARCH, refitted=room)
-        found = run(problem(data(3.0 * shapes(X)["step.height"], sd=0.05)), 0)
-        kinds.append((found.verdict.kind, found.verdict.causes))
-        counts.append(found.models.begun)
-    assert kinds == [("named", ("step",))] * 2
-    assert counts[1] < counts[0]
-
-
 # --------------------------------------------------------------------- at the leader's constants
 def twins(extra=()):
     """`b` does what `a` does, but only where the constant is 1; without a cause it is 0."""
@@ -130,137 +72,16 @@ def twins(extra=()):
     return posed(table, model, [constant], [*causes, *extra])
 
 
-def searched(posed, ends=()):
-    null, _ = recalibrated(posed, 0)
-    models = Models(posed, posed.causes)
-    models.add(null)
-    search(models, ends, posed.causes)
-    return models
-
-
 def test_a_cause_that_acts_only_at_the_leaders_constants_is_found():
-    models = searched(twins())
+    models = run(twins(), 0).models
     assert abs(models.null.x[0]) < 0.05
     assert models.get(["a"]).chi2 < 1.0
     # Exchanged for `a` where the constant is 1, it explains as much.
     assert models.get(["b"]).chi2 < 1.0
     # Also beside a third cause that leads first: it explains a part and leaves the constant at 0.
-    models = searched(twins([Cause("c", Parameter("c.size", size=1.0, low=-1.0, high=1.0))]))
+    models = run(twins([Cause("c", Parameter("c.size", size=1.0, low=-1.0, high=1.0))]), 0).models
     assert models.get(["c"]).chi2 > 100.0
     assert models.get(["b"]).chi2 < 1.0
-
-
-def two_wells(kink=0.0):
-    """Wells at k = -1 and 1; the wrong one has a barrier, and misses what is gentle."""
-    x = np.linspace(0.0, 1.0, 20)
-    steep, gentle = (np.arange(20) < 10) * 1.0, (np.arange(20) >= 10) * x
-
-    def model(table, p):
-        made = p["k"] ** 2 * steep + 0.3 * p["k"] * gentle
-        return made + p["bump.size"] * np.sin(9.0 * x) + p["kink.size"] * x**3
-
-    causes = [
-        Cause(name, Parameter(f"{name}.size", size=0.2, low=-3.0, high=3.0))
-        for name in ("bump", "kink")
-    ]
-    constant = Parameter("k", Prior("normal", 0.0, 1.0), cause=False)
-    noise = 0.02 * np.random.default_rng(3).standard_normal(20)
-    y = steep + 0.3 * gentle + 0.4 * np.sin(9.0 * x) + kink * x**3 + noise
-    return posed(Table({"x": x}, y, sd=0.02), model, [constant], causes)
-
-
-def test_the_model_without_a_cause_is_fitted_again_from_the_leaders_constants():
-    posed = two_wells()
-    wrong = fitted(posed, at=np.array([-1.0, 0.0, 0.0]))
-    assert wrong.x[0] < -0.5
-    models = Models(posed, posed.causes)
-    models.add(wrong)
-    there = np.array([1.0, 0.0, 0.0])
-    residual = posed.residuals(there[None, :])[0]
-    slopes = finished(posed, derivatives(posed, there, posed.free(()), residual))
-    search(models, [End(there, residual, slopes, 0.0)], posed.causes)
-    assert models.get(["bump"]).x[0] == pytest.approx(1.0, abs=0.05)
-    assert models.null.x[0] > 0.5
-    assert models.null.log_evidence > wrong.log_evidence
-
-
-@pytest.mark.parametrize("dof", [np.inf, 60.0])
-def test_no_cause_is_sought_that_has_to_fit_as_a_right_one_rarely_does(dof):
-    causes, columns, model = crowd(4)
-    one = data(0.5 * columns[1], sd=0.05)
-    simulated = posed(one, model, [SLOPE, LEVEL], causes, low_fidelity=model)
-    errors = replace(simulated.errors[0], dof=dof)
-    simulated = simulated.with_tables([simulated.tables[0].having(errors=errors)])
-    models = Models(simulated, causes)
-    one = models.add(fitted(simulated, [causes[1]], at=np.zeros(simulated.size)))
-    fall = 2.0 * (models.log_prior(one.causes) - models.log_prior(causes[:2]) - np.log(2.0))
-    n, spent = len(X), one.x[one.free] @ one.precision @ one.x[one.free]
-    usual = min(dof, 1e9)  # an F law of so many degrees of freedom is that of chi-square
-    rare = n * f.ppf(SEARCH.rare, n, usual)
-    most = (usual + rare) * np.exp(fall / (usual + n)) - usual  # falls to the rare one
-    for size, is_left in ((0.99 * most, True), (1.01 * most, False), (0.99 * rare, False)):
-        models.best[one.names, "exact"] = replace(one, chi2=size - spent)
-        assert _leaves_too_little(models, one) == is_left, (size, rare, most)
-
-
-@pytest.mark.parametrize(("size", "beside"), [(0.0, "white"), (0.5, "white"), (0.0, "smooth")])
-def test_nothing_is_looked_for_beside_causes_that_a_discrepancy_leads(size, beside, monkeypatch):
-    causes, columns, model = crowd(4)
-    scatter = 0.25 * np.random.default_rng(4).standard_normal(len(X))
-    error = scatter if beside == "white" else np.sin(4.0 * (X + data().settings["z"]))
-    table, looks, begun = data(size * columns[1] + error, sd=0.05), [], []
-    simulated = posed(table, model, [SLOPE, LEVEL], causes, low_fidelity=model)
-    look, fit = "stickslip.diagnosis.fitting.search._look_beside", Models.add_fits
-    monkeypatch.setattr(look, lambda _, leader: looks.append(leader))
-    monkeypatch.setattr(Models, "add_fits", lambda *given: begun.extend(given[1]) or fit(*given))
-    leader = searched(simulated).leaders(1)[0]
-    assert (leader.form, bool(leader.causes)) == (beside, size > 0.0)
-    assert {each.form for each in looks} == ({"exact", beside} if size else {"exact"})
-    # Where a cause leads, the discrepancy alone is searched from there too.
-    starts = [each.x for each in begun if each.form == beside and not each.causes]
-    assert any(np.array_equal(x, leader.x) for x in starts) == (size > 0.0)
-    # What is far behind the likeliest form is not fitted.
-    assert any(each.form == "white" and each.causes for each in begun) == (beside == "white")
-
-
-def test_a_reading_that_is_not_computed_ends_no_descent():
-    posed, lost = two_wells(), np.where(np.arange(20) == 19, np.nan, 0.0)
-    whole = replace(posed, low_fidelity=posed.model)
-    gap = replace(whole, model=lambda values: posed.model(values) + lost)
-    one, other = (fitted(each, posed.causes[:1], at=np.array([0.1, 0, 0])) for each in (whole, gap))
-    assert other.x[:2] == pytest.approx(one.x[:2], abs=0.05)
-
-
-def test_a_pair_begins_where_a_response_points_and_where_its_leader_is(monkeypatch):
-    posed = two_wells(0.2)
-    models = Models(posed, posed.causes)
-    models.add(fitted(posed, at=np.array([1.0, 0.0, 0.0])))
-    bump, _ = posed.causes
-    leader = models.add(fitted(posed, [bump], at=np.array([1.0, 0.0, 0.0])))
-
-    def misled(*given, **options):
-        every = responses(*given, **options)
-        return [replace(each, x=np.append(-1.0, each.x[1:])) for each in every]
-
-    monkeypatch.setattr("stickslip.diagnosis.fitting.search.responses", misled)
-    _look_beside(models, leader)
-    assert models.get(["bump", "kink"]).cost < leader.cost + DESCENT.settled
-
-
-def test_a_cause_is_looked_at_from_each_valley_once_and_the_stated_constants(monkeypatch):
-    # However many ends a valley has: each place costs predictions of every cause.
-    posed, asked = two_wells(), []
-    models = Models(posed, posed.causes)
-    models.add(fitted(posed, at=np.array([1.0, 0.0, 0.0])))
-
-    def counted(*given, **options):
-        asked.append(given)
-        return responses(*given, **options)
-
-    monkeypatch.setattr("stickslip.diagnosis.fitting.starts.responses", counted)
-    places = [np.array([k, 0.0, 0.0]) for k in (-2.0, -1.0, 0.0, 1.0, 2.0)]
-    _fit_singles(models, [replace(models.null.end, x=each) for each in places], posed.causes)
-    assert [round(float(end.x[0])) for _, end, *_ in asked] == [1, 0, -1]
 
 
 @pytest.mark.parametrize("size", [0.02, 0.05])
@@ -287,7 +108,7 @@ def test_a_scale_is_found_beside_constants_that_almost_undo_it(error, size):
 
 
 def test_no_model_fits_worse_than_one_that_it_contains():
-    models = searched(problem(data(0.5 * shapes(X)["wave.height"] + 0.3 * (X > 2.0))))
+    models = run(problem(data(0.5 * shapes(X)["wave.height"] + 0.3 * (X > 2.0))), 0).models
     plain = {key[0]: each for key, each in models.best.items() if key[1] == "exact"}
     assert any(len(names) == 2 for names in plain)
     for names, each in plain.items():
@@ -296,13 +117,10 @@ def test_no_model_fits_worse_than_one_that_it_contains():
                 assert each.cost < other.cost + 0.5, (names, inner)
 
 
-def test_what_is_at_fault_is_not_searched(monkeypatch):
-    asked = []
-    monkeypatch.setattr("stickslip.diagnosis.pipeline.search", lambda *a, **k: asked.append(a))
-    posed = problem(data(2.0 * shapes(X)["wave.height"]), [WAVE])
+def test_what_is_at_fault_is_a_problem_of_the_data():
     reason = Note("drift", "The readings drift.")
-    found = run(posed, 0, fault=reason)
-    assert (found.verdict.kind, found.verdict.reasons, asked) == ("data-problem", (reason,), [])
+    found = run(problem(data(2.0 * shapes(X)["wave.height"]), [WAVE]), 0, fault=reason)
+    assert (found.verdict.kind, found.verdict.reasons) == ("data-problem", (reason,))
 
 
 # --------------------------------------------------------------------------------- narrow minima
