@@ -6,6 +6,8 @@ a function that is given a folder and the bad input. A function raises the error
 command printed of it.
 """
 
+import datetime
+import itertools
 import math
 from importlib import import_module
 from pathlib import Path
@@ -16,6 +18,7 @@ import pytest
 from stickslip import Scenario, ScenarioError
 from stickslip._util.messages import shown
 from stickslip.scenario.keys import known_keys
+from stickslip.scenario.sections import SECTIONS
 
 TABLES = [
     import_module(f"refusals.{path.stem}")
@@ -63,7 +66,7 @@ def test_every_way_is_tried():
 
 NO_VALUES = (
     *(math.nan, math.inf, -math.inf, 10**400, "1", "a\nb" * 1000),
-    *(None, True, np.True_, [1.0], b"1"),
+    *(None, True, np.True_, [1.0], b"1", np.timedelta64(1, "s"), datetime.date(2008, 6, 25)),
 )
 
 
@@ -73,9 +76,13 @@ def test_every_key_refuses_what_is_no_value_of_it(key):
     beyond = [math.nextafter(known.low, -math.inf), math.nextafter(known.high, math.inf)]
     between = [known.low + 0.5] * (known.kind == "whole")
     words = [word.swapcase() for word in known.words]
-    for value in (*NO_VALUES, *beyond, *between, *words):
+    section = key.rpartition(".")[0]
+    doors = [lambda value: Scenario().replace({key: value})]
+    if section in SECTIONS:
+        doors.append(lambda value: SECTIONS[section](**{known.field: value}))
+    for value, door in itertools.product((*NO_VALUES, *beyond, *between, *words), doors):
         with pytest.raises(ScenarioError) as error:
-            Scenario().replace({key: value})
+            door(value)
         message = str(error.value)
         assert message.startswith(f"{key} = {shown(value)}: allowed is ")
         assert known.allowed in message

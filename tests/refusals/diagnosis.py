@@ -41,18 +41,14 @@ ABOVE_0, FROM_0 = "allowed is a number above 0", "allowed is a whole number from
 
 TABLES = [
     (lambda: Table({"x": ROW}, [math.nan] * 3), "table: rows 0, 1, 2: every row has a gap"),
-    (lambda: Table({"x": ROW}, [1.0, "b", 2.0], name="t"), 'table t: y: row 1 = "b": allowed'),
-    (lambda: Table({"x": ROW}, np.ones((3, 2))), ["y = ", "one row"]),
     (lambda: Table({"x": []}, []), ["y = ", "one row"]),
     (lambda: Table({"x": ROW}, np.ones(4)), "settings x: allowed are 4 rows"),
     (lambda: Table({"x": [1.0, math.inf, 2.0]}, ROW), "settings x: row 1 = inf: allowed is"),
     (lambda: Table([[1.0, "a"], [2.0, "b"]], [1.0, 2.0]), "settings: texts beside numbers"),
     (lambda: Table([[1.0], [2.0, 3.0]], [1.0, 2.0]), "settings 0 = [[1.0], [2.0, 3.0]]: allowed"),
     (lambda: Table({"x": ROW}, ROW, sd=0.0), f"sd = 0.0: {ABOVE_0}, or 3 of"),
-    (lambda: Table({"x": ROW}, ROW, sd=[0.1, 0.1]), ["sd = ", ABOVE_0]),
     (lambda: Table({"x": ROW}, ROW, sd="small"), 'sd = "small": allowed is finite numbers'),
     (lambda: Table({"x": ROW}, ROW, block=[1, 2]), "block: allowed is one for each of 3"),
-    (lambda: Table({"x": ROW}, ROW, run=[[1], [2], [3]]), "run: allowed is one for each"),
 ]
 
 T3, Y3 = [0.0, 1.0, 2.0], [1.0, 2.0, 3.0]
@@ -62,7 +58,6 @@ RECORDS = [
     (lambda: Series([0, np.nan, 2], Y3), "series: t: row 1 = nan: allowed is one row of finite"),
     (lambda: Series(T3, Y3, {"u": [1, 2, np.inf]}), "inputs u: row 2 = inf: allowed is"),
     (lambda: Series(T3, Y3, [1, 2, 3]), ["inputs = ", ": allowed is a table of rows"]),
-    (lambda: Series(T3, Y3, sd=-1.0), f"series: sd = -1.0: {ABOVE_0}"),
     (lambda: with_repeats([Series(T3, Y3, name="a", repeat_of="b")]), 'repeat_of = "b": allowed'),
     (lambda: with_repeats([Series(T3, Y3, name="a"),
                            Series([0, 1, 3], Y3, name="b", repeat_of="a")]),
@@ -93,21 +88,17 @@ OWN = [
     ({"causes": [LAW]}, "predict takes (table, p): allowed is a function of (table, p, curves)"),
     ({"predict": lambda t, p: flat(t, p)[0]},
      ["returned shape (12,) for table line at slope = 1", "here (1, 12)"]),
-    ({"predict": lambda t, p: flat(t, p).T}, "shape (12, 1)"),
-    ({"predict": lambda t, p: p["slope"]}, "shape (1, 1)"),
     ({"predict": lambda t, p: "fast"}, "its answer = \"fast\": allowed is"),
     ({"predict": lambda t, p: flat(t, p) * math.nan}, "it computes no reading"),
     ({"predict": lambda t, p: np.where(np.arange(12) % 4 == 1, math.nan, flat(t, p))},
      "predict: table line: rows 1, 5, 9: the model without causes computes no reading"),
     ({"predict": lambda t, p: p["slop"]}, 'p: there is no parameter slop; did you mean "slope"'),
-    ({"data": X}, ["data = ", ": allowed is a Table or a Series, or a list of them"]),
     ({"data": []}, "data = []: allowed is a Table"),
     ({"data": [Table({"x": X}, X, sd=0.1)] * 2}, "tables: no name comes twice"),
     ({"uncertain": SLOPE}, ["uncertain = ", ": allowed is a list of Parameter"]),
     ({"uncertain": [SLOPE, 0.3]}, ["uncertain = ", ": allowed is a list of Parameter"]),
     ({"uncertain": [HEIGHT]}, "uncertain: wave.height has no prior"),
     ({"uncertain": [SLOPE, SLOPE]}, "slope comes twice"),
-    ({"causes": WAVE}, ["causes = ", ": allowed is a list of Cause"]),
     ({"causes": [HEIGHT]}, ["causes = ", ": allowed is a list of Cause"]),
     ({"causes": [WAVE, WAVE]}, "wave comes twice"),
     ({"causes": [WAVE, Cause("b", WAVE.parameters)]}, "parameters: wave.height comes twice"),
@@ -116,7 +107,6 @@ OWN = [
     ({"causes": [instruments.scale(table="lines")]},
      'cause scale: there is no table lines; did you mean "line"'),
     ({"seed": -1}, f"seed = -1: {FROM_0}"),
-    ({"seed": 1.5}, f"seed = 1.5: {FROM_0}"),
 ]  # fmt: skip
 
 
@@ -132,30 +122,21 @@ def law(**changes):
 MU = Parameter("mu_k", Prior("log-normal", 0.3, 1.1), "1/m")
 TERMS = [
     (lambda: Parameter("a"), "parameter a: allowed is one of prior and size"),
-    (lambda: Parameter("a", Prior("normal", 0.0, 1.0), size=1.0), "one of prior and size"),
     (lambda: Parameter("a", 0.1), "parameter a: prior = 0.1: allowed is a Prior"),
     (lambda: Parameter(5, Prior("normal", 2.0, 0.2)), ["name of a parameter = 5: ", " a text"]),
-    (lambda: amplitude(""), "name of a parameter"),
     (lambda: amplitude(size=0.0), "size = 0.0: allowed is a number"),
     (lambda: amplitude(size=True), ["size = ", ": allowed is a number"]),
-    (lambda: amplitude(size="b"), ["size = ", ": allowed is a number"]),
     (lambda: amplitude(low=1.0, high=-1.0), "allowed is low < high"),
     (lambda: Parameter("a", size=1.0), "allowed are a finite low and high for an amplitude"),
     (lambda: amplitude(low=1.0, high=2.0), "absent = 0.0: allowed is 1.0 to 2"),
     (lambda: amplitude(fineness=0.0), "fineness = 0.0"),
-    (lambda: amplitude(fineness=1.5), "fineness = 1.5"),
     (lambda: Cause("none", HEIGHT), 'a text other than "none"'),
-    (lambda: Cause("", HEIGHT), "name of a cause"),
     (lambda: Cause("a"), "cause a has no Parameter"),
     (lambda: Cause("a", [0.3]), "cause a: parameters: allowed are Parameters"),
     (lambda: Values({"slope": np.ones((1, 1))})["sloop"], 'sloop; did you mean "slope"'),
     (lambda: law(low=2.0), "friction over speed: low = 2.0, high = 2.0: allowed is numbers"),
     (lambda: law(high=np.inf), "low < high"),
-    (lambda: law(low="0"), "low < high"),
     (lambda: law(law=""), "law of a free law"),
-    (lambda: law(unit=3), "unit of a free law"),
-    (lambda: law(size=0.0), f"size = 0.0: {ABOVE_0}"),
-    (lambda: law(size="big"), "size"),
     (lambda: law(largest=np.inf), "largest"),
     (lambda: law(knots=2), "knots"),
     (lambda: law(law_unit="N", factor_of="mu"),
@@ -176,12 +157,9 @@ TERMS = [
 DRIVES = [
     ([{"frequencies": 40.0}], ["row 0: ", 'did you mean "drive.frequency"']),
     ([{"robot.length": 1e-3}], "row 0: drive.robot.length"),
-    ([{"frequency": 40.0}, {"frequency": -1.0}], "row 1: drive.frequency = -1.0: allowed is"),
-    ([{"frequency": None}], "row 0: drive.frequency = None: allowed is"),
     *((bad, "allowed is a DataFrame or a list of dicts")
       for bad in ({"frequency": 40.0}, "frequency", None, [40.0])),
     ([], "there is no row"),
-    (pd.DataFrame({"frequency": []}), "there is no row"),
     (pd.DataFrame({"frequency": [np.nan]}, index=["a"]), "row a: drive.frequency = nan"),
 ]  # fmt: skip
 
@@ -231,7 +209,6 @@ ASKED = [
     *((lambda level=level: toy().conf_int(level), ["level = ", ABOVE_0])
       for level in (0.0, 1.0, -0.5, math.nan, "0.9", True)),
     (lambda: toy().candidate("bmup"), ["no such model was fitted", 'did you mean "bump"']),
-    (lambda: toy().candidate(""" a "\n" """), "no such model was fitted"),
     (lambda: diagnose_model(line, table_of(), [SLOPE, LEVEL], [WAVE])
      .predict({"x": [1.0, 2.0], "z": 1.0}), ["settings z", "2 rows"]),
     (lambda: toy().propose_experiments(), ["model of one's own", "separate"]),
@@ -247,9 +224,7 @@ ENTRY = [
     *((lambda given=given: diagnose(given), ScenarioError, ["measurement = ", MEASUREMENT])
       for given in ("m.toml", None, np.zeros(3))),
     (lambda: diagnose(data(), seed=-1), ScenarioError, f"seed = -1: {FROM_0}"),
-    (lambda: diagnose(data(), seed=0.5), ScenarioError, f"seed = 0.5: {FROM_0}"),
     (lambda: diagnose(data(), threads=0), ValueError, "threads"),
-    (lambda: diagnose(data(), threads=1.5), ValueError, "threads"),
     (lambda: posed_by(measured(drives().assign(velocity=1e-3, heading=0.5))), ScenarioError,
      ["drive.heading = 0.5", "walk along x"]),
 ]  # fmt: skip

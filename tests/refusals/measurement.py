@@ -53,12 +53,10 @@ FILE, HEADER = 'file = "velocity.csv"', "stickslip_measurement = 1"
 FRICTION, STATED = '"contact.kinetic_friction"', "drive = { frequency = 100.0 }"
 FILES = [
     (HEADER, "stickslip_measurement = 2", "allowed is 1"),
-    (HEADER, "", "stickslip_measurement = 1 is missing"),
     (HEADER, "stickslip = 1", "a scenario, not a measurement"),
     ('name = "wafer"', 'nme = "wafer"', 'did you mean "name"'),
     ("sd = 0.01", "sd = 0.0", "above 0"),
     ("sd = 0.01", "std = 0.01", "{ mean = 0.145, std = 0.01 }: allowed is { mean, sd }"),
-    ("low = 1e-6", "low = 1e-3", "low < high"),
     (FRICTION, '"contact.friction"', "no such key"),
     (FRICTION, "contact.kinetic_friction", "quotation marks"),
     (FRICTION, '"drive.peak"', "outside [drive]"),
@@ -76,27 +74,19 @@ FILMS = [
     (STATED, "drive = 3", "a.csv: drive = 3"),
     (STATED, 'drive = { file = "v.csv" }', "drive.file"),
     ("frame_rate = 1000.0", "frame_rate = 0", "a.csv: frame_rate = 0"),
-    ("frame_rate = 1000.0", 'frame_rate = "fast"', "frame_rate"),
-    ("exposure = 3e-4", "exposure = 2e-3", "0.001 s"),
     ("exposure = 3e-4", "exposure = -1", "exposure = -1"),
-    ("exposure = 3e-4", "noise_x = 0.0", "noise_x = 0.0"),
     ("exposure = 3e-4", "noise_theta = nan", "noise_theta"),
     ("exposure = 3e-4", "noise_theta = 1.0", "above 0 and below 0.5 rad"),
     ("exposure = 3e-4", "noise_x = 1.0", "above 0 and below 0.00025 m"),
     ("exposure", "exposures", 'did you mean "exposure"'),
-    ("a.csv", "absent.csv", "absent.csv"),
 ]
 TABLES = [
     ("frequency\n30\n", '"velocity" is missing'),
     ("velocity,frequenzy\n0.1,30\n", 'did you mean "frequency"'),
     ("velocity\n", "no row of data"),
-    ("frequency,velocty\n30,0.1\n", '"velocty" may be meant'),
-    ("frequency,hold,velocity\n30,0.6,1e-3\n", ["line 2: hold of 0.6 T", "(mT)"]),
     ("frequency,velocity\n0.03,1e-3\n", ["frequency of 0.03 Hz", "(kHz)"]),
     ("velocity,velocity\n1,1\n", "twice"),
-    ("frequency,Velocity\n30,1e-3\n", ['column "velocity" is missing', '"Velocity" may be meant']),
     ("velocity,order\n1e-3,23:50\n1e-3,00:10\n", "in column order are more than 12 h apart"),
-    ("velocity,frequency,drive.frequency\n1,30,30\n", '"frequency" is there twice'),
     *(
         (
             f"velocity,{key}\n1,30\n",
@@ -154,7 +144,6 @@ TRACKS = [
     (T[:12], 1e-3 * T[:12], ["t = 0 to 0.11: 0 frames are in ", "0.15 to 1.05 s"]),
     (T[::15], 1e-3 * T[::15], ["5 frames are in ", "8 frames or more"]),
     (1e3 * T, T, "t may be in ms or the number of the frame"),
-    (T, 1e3 * T, ["x spans 880, and allowed is up to 0.1; m are", "may be um"]),
     (T, T, ["x spans 0.88", "may be mm"]),
     (0.15 + 0.4 * T[:10], 0.8 * T[:10], ["2 m/s: allowed is 1 m/s", "in um, mm or pixels"]),
 ]
