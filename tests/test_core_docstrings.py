@@ -1,7 +1,6 @@
 """Docstrings of the bound core: each name has one, and comments that do not serve are refused."""
 
 import inspect
-import os
 import re
 from pathlib import Path
 
@@ -69,11 +68,6 @@ def test_each_bound_name_has_a_docstring():
     assert [name for name in names if not all(texts(name))] == []
 
 
-def test_a_signature_is_no_docstring():
-    assert "Scenario" in _core.Scenario.__init__.__doc__
-    assert texts("Scenario.__init__") == ["", ""]
-
-
 def made(folder, *names, header=HEADER):
     """The process that makes docstrings of a binding with these names, and its two files."""
     headers = folder / "headers"
@@ -114,13 +108,3 @@ def test_a_name_without_its_comment_is_refused(tmp_path, name, why):
     assert done.returncode == 1
     assert done.stderr == f"{tmp_path / 'binding.cpp'}:3: doc::{name}: {why}\n"
     assert not any(file.exists() for file in files)
-
-
-def test_the_header_is_written_again_for_another_name_alone(tmp_path):
-    _, names, of_names = made(tmp_path, "Laws_size")
-    os.utime(names, ns=(0, 0))
-    made(tmp_path, "Laws_size", header=HEADER.replace("Number", "The number"))
-    assert names.stat().st_mtime_ns == 0
-    assert "The number of laws." in of_names.read_text()
-    made(tmp_path, "Laws_size", "Laws")
-    assert names.stat().st_mtime_ns > 0

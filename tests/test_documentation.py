@@ -91,17 +91,6 @@ def test_every_public_name_is_on_one_page_of_the_interface():
     assert names <= set(listed), names - set(listed)
 
 
-def test_every_table_of_measurements_is_there_with_its_day_machine_and_command():
-    text = (DOCS / "accuracy.md").read_text()
-    names = re.findall(r"^```\{bench-results\} (\S+)$", text, re.MULTILINE)
-    assert set(names) == {path.name for path in MEASURED.iterdir()}
-    for name in names:
-        result = json.loads((MEASURED / name).read_text())
-        assert re.fullmatch(r"\d{4}-\d\d-\d\d", result["date"]), name
-        assert result["machine"]["processor"], name
-        assert result["command"] in text, name
-
-
 def test_the_page_for_assistants_has_each_verdict_and_exit_status_and_names_keys():
     text = (DOCS / "agents.md").read_text()
     statuses = {int(each) for each in re.findall(r"^\| (\d+) \|", text, re.MULTILINE)}

@@ -56,18 +56,6 @@ def test_names_and_links_of_the_tutorial_are_there():
     assert list(missing("\n\n".join(words), DOCS)) == []
 
 
-def test_every_page_is_two_clicks_from_the_index():
-    reached = {DOCS / "index.md"}
-    for _ in range(2):
-        reached |= {
-            (page.parent / link).resolve()
-            for page in reached
-            if page.suffix == ".md"
-            for link in LINK.findall(page.read_text(encoding="utf-8"))
-        }
-    assert {each for each in PAGES if DOCS in each.parents} <= reached
-
-
 OF_SOURCES = [DOCS / "develop.md", DOCS / "layout.md", ROOT / "CONTRIBUTING.md"]
 
 

@@ -96,15 +96,6 @@ def test_a_diagnosis_is_shown_escaped():
     assert not TEXT.search(shown)
 
 
-def test_a_sweep_is_shown_escaped(swept):
-    assert (swept["message"].values != "").any()
-    changed = swept.assign(message=(swept["message"].dims, np.full((3, 2), BAD)))
-    # Its own display, which xarray makes: it has a style, and no script.
-    shown = changed._repr_html_()
-    assert "&lt;script&gt;" in shown
-    assert not TEXT.search(re.sub(r"<style>.*?</style>", "", shown, flags=re.DOTALL))
-
-
 def test_a_figure_is_shown_once_with_and_without_pyplot(walk_ipp, swept):
     before = plt.get_fignums()
     drawn = (
@@ -161,10 +152,3 @@ def test_a_table_of_a_sweep_has_a_row_a_point_with_units(swept, tmp_path):
         assert row["message"] == point["message"].item()
     part = sweep_dataframe(swept.sel(drive_mode="OPP"))
     assert part["drive_mode"].tolist() == ["OPP"] * 3
-
-
-def test_a_table_of_a_list_of_points_has_their_order():
-    points = [{"drive.frequency": f} for f in (60.0, 30.0)]
-    table = sweep_dataframe(sweep(Scenario(drive=Drive(base=0.5e-3, pulses=4)), points))
-    assert table["drive_frequency"].tolist() == [60.0, 30.0]
-    assert "point" not in table
