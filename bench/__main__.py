@@ -12,7 +12,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 PROGRAMS = {
-    "now": ("now", "cost and false alarms of diagnoses"),
+    "now": ("now", "cost of diagnoses"),
     "speed": ("speed", "both integrators at equal accuracy"),
     "sweep": ("sweep", "sweeps: cost of a run and of a point, threads"),
     "against": ("against", "this version beside an earlier commit (against COMMIT)"),

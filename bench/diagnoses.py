@@ -1,4 +1,4 @@
-"""Diagnoses whose cost and errors `now` counts."""
+"""Diagnoses whose cost `now` measures."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import numpy as np
 from causes.make import KINDS
 from causes.tools import Asked, best_bic
 
-from stickslip import Cause, Parameter, Prior, Series, Table, diagnose_model, models
+from stickslip import Series, diagnose_model, models
 from stickslip.diagnosis.model import posed
 
 SEED = 82
@@ -83,28 +83,3 @@ def main(name: str) -> None:
     cpu = [ended - started, time.process_time() - ended]
     print(json.dumps({"cpu_seconds": cpu, "memory": memory, "verdict": str(found),
                       "causes": found.verdict.causes}))  # fmt: skip
-
-
-BEND = Cause("bend", Parameter("bend.size", size=0.2, low=-3.0, high=3.0), "a parabola")
-STEP = Cause("step", Parameter("step.height", size=0.5, low=-5.0, high=5.0), "a step")
-
-
-def _line(table: Table, p: dict[str, np.ndarray]) -> np.ndarray:
-    x = table["x"]
-    bent = p.get("bend.size", 0.0) * (x - 2.5) ** 2 + p.get("step.height", 0.0) * (x > 2.5)
-    return p["slope"] * x + bent
-
-
-def sound_table(seed: int) -> tuple[str, float, float]:
-    """Verdict, p of the test and CPU seconds on a line at four places, three repeats each.
-
-    The slope is drawn from its prior, the errors are normal, and the repeats alone tell their size.
-    """
-    draw = np.random.default_rng(seed)
-    x = np.repeat([1.0, 2.0, 3.0, 4.0], 3)
-    table = Table({"x": x}, draw.normal(1.0, 0.1) * x + 0.1 * draw.standard_normal(len(x)))
-    slope = Parameter("slope", Prior("normal", 1.0, 0.1), cause=False)
-    started = time.process_time()
-    found = diagnose_model(_line, table, [slope], [BEND, STEP])
-    seconds = time.process_time() - started
-    return found.verdict.kind, found.findings.test.p_value, seconds

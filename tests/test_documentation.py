@@ -10,14 +10,14 @@ from collections import Counter
 import numpy as np
 import pytest
 from blind import own
-from blind.finished import answer_of_change, answer_of_twins
+from blind.finished import answer_of_change
 from blind.scoring import Case, read
 from blind.study import lines
 from causes.__main__ import ANSWERS
 from causes.make import TRUTH
 from causes.score import judged
 from report_keys import WORDS, reference
-from scores import CLAIMS
+from scores import CLAIMS, Answer
 
 import stickslip
 from documentation_blocks import DOCS, PAGES, ROOT, blocks, by_name, pages, play
@@ -230,7 +230,7 @@ def measured_words():
               for hidden in (True, False)]  # fmt: skip
     wrong = [row for row in logs["units"] if row["wrong"]]
     bare = sum(row["verdict"] in CLAIMS and not row["told"] for row in wrong)
-    told = [answer_of_twins(row).outcome for row in logs["twins"]]
+    told = [Answer(row["verdict"], row["causes"], [row["cause"]]).outcome for row in logs["twins"]]
     off = {line: [row["z"] for row in logs["late"] if row["input"] == line]
            for line in ("held", "line")}  # fmt: skip
     rms = {line: np.sqrt(np.mean(np.square(each))) for line, each in off.items()}

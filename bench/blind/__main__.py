@@ -24,13 +24,12 @@ from blind.writing import write_case
 
 OF_LOGS = {
     "own": (own.of_seed, "sets of models of one's own"),
-    "clean": (own.of_clean, "sets that hide nothing"),
     "servo": (own.of_servo, "logs of servos"),
 }
 """Studies in one file: the row of a seed, and the data sets in words."""
 TABLES = {
     **dict.fromkeys(OF_LOGS, own.tables), "intervals": finished.intervals,
-    "changes": finished.changes, "twins": finished.twins, "units": finished.units,
+    "changes": finished.changes,
 }  # fmt: skip
 """The table of the rows of a file, by its stem; others are of walkers."""
 

@@ -168,9 +168,6 @@ INSTRUMENTS = {
 }
 """Distortions of what is read that are no cause of the library; `share` is cut off the top."""
 
-INSTRUMENT_NAMES = (*INSTRUMENTS, *_SCALES, "angle_offset")
-"""All names that say that a reading is wrong, and not the robot."""
-
 HIDING = (
     ("magnetization_scale", "field_gain"),
     ("misalignment", "ambient_field"),

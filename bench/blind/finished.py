@@ -2,9 +2,6 @@
 
 `intervals.py` of b7b828df: sizes of a cause beside an error of the model that nobody lists.
 `changes.py` of 50a47554: pairs of logs, or of measurements of a walker, with one difference.
-`twins.py` of 12979fd9: near twins that a distorted sensor has read.
-`units.py` of 754ea05d: logs with a unit, of the time, the readings, an input or a constant, that
-nobody stated; of five sets one has right units and a constant that is off.
 """
 
 from __future__ import annotations
@@ -85,32 +82,3 @@ def changes(rows: list[Row]) -> str:
     beside = f"{open_} pairs without a difference are unexplained: both sides may have an error."
     parts = scores.table(of_all), markdown(heads, found), f"{len(rows)} pairs. {beside} {cost}"
     return "\n\n".join(parts)
-
-
-def answer_of_twins(row: Row) -> Answer:
-    """The verdict beside the hidden cause."""
-    return Answer(row["verdict"], row["causes"], [row["cause"]])
-
-
-def twins(rows: list[Row]) -> str:
-    """Counts of verdicts with intervals, for all sets and for each motion."""
-    kinds = {"all": rows, **_by(rows, "kind")}
-    groups = {name: [*map(answer_of_twins, some)] for name, some in kinds.items()}
-    return f"{scores.table(groups)}\n\n{sum(row['cpu_seconds'] for row in rows):.0f} CPU s."
-
-
-def units(rows: list[Row]) -> str:
-    """Counts by what is wrong: told rightly, `data-problem`, and named without the factor."""
-    wrong = [row for row in rows if row["wrong"]]
-    kinds = {name: [row for row in wrong if row["wrong"] == name]
-             for name in ("time", "reading", "input", "constant")}  # fmt: skip
-    kinds |= {"any of these": wrong, "right units": [row for row in rows if not row["wrong"]]}
-    found = []
-    for name, some in kinds.items():
-        counts = [sum(row["right"] for row in some),
-                  sum(row["verdict"] == "data-problem" for row in some),
-                  sum(row["verdict"] in CLAIMS and not row["told"] for row in some)]  # fmt: skip
-        if some:
-            found.append((name, len(some), *(share(count, len(some)) for count in counts)))
-    head = "wrong unit of;sets;right;`data-problem`;named without the factor"
-    return f"{markdown(head, found)}\n\n{sum(row['cpu_seconds'] for row in rows):.0f} CPU s."

@@ -210,13 +210,6 @@ def of_servo(seed: int) -> Row:
     return judged(seed, "servo", *parts[seed % 4])
 
 
-def of_clean(seed: int) -> Row:
-    """The row of a set that hides nothing, a line and a log in turn."""
-    every = [*itertools.product(ERRORS, MACHINES)]
-    errors, kind = every[seed // 2 % len(every)] if seed % 2 else ("few repeats", "line")
-    return judged(seed, kind, "none", errors)
-
-
 def judged(seed: int, kind: str, hidden: str, errors: str) -> Row:
     """The truth of a set, and its verdict."""
     draw = np.random.default_rng([7, seed])

@@ -110,21 +110,6 @@ class Case:
     def within(self) -> bool:
         return all(abs(gap) <= 2.0 for gap in self.pulls)
 
-    def error(self, when: str) -> float:
-        """Mean absolute error of held-out velocities, m/s, before or after; or NaN."""
-        gain = self.said["gain"]
-        return float(np.nan if gain is None else gain[f"mae_{when}"]["velocity"])
-
-    @property
-    def halved(self) -> bool:
-        return self.error("after") <= 0.5 * self.error("before")
-
-    @property
-    def halved_by_truth(self) -> bool:
-        """Whether the noise lets the truth itself halve the error."""
-        left = self.row.get("truth_error")
-        return left is not None and bool(left <= 0.5 * self.error("before"))
-
     @property
     def followed_right(self) -> bool:
         said = self.row.get("followed")
@@ -199,8 +184,6 @@ FACTS: tuple[tuple[str, Callable[[Case], bool], Callable[[Case], bool]], ...] = 
      lambda c: c.right_shape),
     ("the band holds the truth on 80 % of its range", lambda c: c.inside >= 0.8,
      lambda c: c.right_shape),
-    ("held-out error at least halved, where the truth halves it", lambda c: c.halved,
-     lambda c: c.family == "law" and c.halved_by_truth),
 )  # fmt: skip
 """Counts beside the answers: name, question, and the cases that are asked."""
 

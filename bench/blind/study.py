@@ -25,13 +25,10 @@ from scores import until
 from stale import digest
 
 import stickslip
-from blind.readings import velocities
 from blind.seeds import used
-from blind.truth import Truth
-from blind.writing import KEYS, write_case, write_more
+from blind.writing import write_case, write_more
 from stickslip import Cause, Diagnosis, diagnose, read_measurement
 from stickslip.diagnosis.report.sections.size import law_of
-from stickslip.walker.velocity import VelocityTable
 
 Row = dict[str, Any]
 Array = NDArray[np.float64]
@@ -227,26 +224,12 @@ def judge(folder: Path) -> list[Row]:
 
 
 def _by_answer(row: Row, path: Path, more: Path) -> Row:
-    """Results that need the answer.
-
-    The error that the truth leaves on all conditions; near twins, measured again at the experiments
-    that the diagnosis proposes.
-    """
-    answer, result = row["answer"], {"truth_error": None}
-    if answer["hook"] and row["gain"] is not None:
-        table = VelocityTable(read_measurement(path), threads=1, seed=0)
-        result["truth_error"] = truth_error(table, answer)
+    """What is said of near twins that were measured again at the proposed experiments."""
     drives = [each["drive"] for each in row["next_experiments"]]
-    if answer["kind"] == "near twins" and drives:
-        write_more(path.parent, more, answer, drives)
-        result["followed"] = diagnosed(more / path.name)["said"]
-    return result
-
-
-def truth_error(table: VelocityTable, answer: Row) -> float:
-    """Mean absolute error of the truth on all conditions, m/s: what noise leaves."""
-    drives = [{key: each[f"drive.{key}"] for key in KEYS} for each in table.conditions]
-    return float(np.mean(np.abs(table.mean - velocities(Truth.of(answer), drives))))
+    if row["answer"]["kind"] != "near twins" or not drives:
+        return {}
+    write_more(path.parent, more, row["answer"], drives)
+    return {"followed": diagnosed(more / path.name)["said"]}
 
 
 def diagnosed(path: Path) -> Row:

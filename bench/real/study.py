@@ -12,6 +12,7 @@ import argparse
 import json
 import runpy
 import sys
+from collections.abc import Iterable
 from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,7 @@ from .score import Measured, Row, by_tool, row
 MACHINES = {path.parent.name: path
             for path in sorted(Path(__file__).parent.glob("machines/*/machine.py"))}  # fmt: skip
 WALKERS = ("tumbler", "rollers", "drops", "walk")
+SHOWN = [each.name for each in fields(Row) if each.name != "reasons"]
 NAMES = tuple(name for name in MACHINES if name != "walk")  # which is simulated
 
 
@@ -34,16 +36,9 @@ def measured_sets(name: str, drops: Path | None = None) -> list[Measured]:
     return list(own)
 
 
-def text(found: Row) -> str:
-    """A row as Markdown, without what speaks against a claim."""
-    cells = [str(value) for key, value in asdict(found).items() if key != "reasons"]
-    return "| " + " | ".join(cells) + " |"
-
-
-def heads() -> str:
-    """The head of the table as Markdown."""
-    names = [each.name.replace("_", " ") for each in fields(Row) if each.name != "reasons"]
-    return "\n".join("| " + " | ".join(line) + " |" for line in (names, ["---"] * len(names)))
+def line(cells: Iterable[object]) -> str:
+    """A row of a table in Markdown."""
+    return f"| {' | '.join(map(str, cells))} |"
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -65,13 +60,13 @@ def main(arguments: list[str] | None = None) -> int:
     found: dict[str, Any] = kept.get("rows", {})
     wrong = False
     try:
-        print(heads())
+        print(line(name.replace("_", " ") for name in SHOWN), line(["---"] * len(SHOWN)), sep="\n")
         for name in options.sets or NAMES:
             for measured in measured_sets(name, options.drops):
                 for listed in (True, False):
                     made = row(measured, listed)
                     wrong |= made.judgement.startswith("wrong")
-                    print(text(made), flush=True)
+                    print(line(getattr(made, name) for name in SHOWN), flush=True)
                     key = f"{made.set}, listed: {made.listed}"
                     found[key] = {**asdict(made), "golden": digest()}
                     saved(options.out, program, {"rows": found}, said=False)
