@@ -23,7 +23,6 @@ from stickslip.diagnosis.data.series import with_repeats
 from stickslip.diagnosis.fitting.forms import Correlated
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.scatter import with_scatter
-from stickslip.diagnosis.fitting.starts import recalibrated
 from stickslip.diagnosis.model import posed
 
 STEP, COUNT, NOISE = 0.2, 200, 0.02
@@ -188,24 +187,6 @@ def test_records_of_one_unit_share_an_error_unless_a_test_tells_them_apart(
     assert (dof[0] == dof[1]) == (shared is not False)
 
 
-@pytest.mark.parametrize("told_by", ["smooth", "fit"])
-def test_the_beginning_of_a_long_record_says_whether_a_curve_tells_its_errors(told_by):
-    asked = []
-
-    def counted(record, p):
-        asked.append(len(record))
-        return tank(record, p)
-
-    u = random(26).uniform(-20.0, 20.0, 4000) if told_by == "fit" else drive(26, 4000)
-    problem = posed(made(4000, 26, u=u), counted, [RATE, START], [DRAG])
-    recalibrated(problem, 0)
-    asked.clear()
-    (errors,) = with_scatter(problem, 0).errors
-    assert {note.code for note in errors.notes} == {f"noise-{told_by}"}
-    assert errors.sizes["s0"] == pytest.approx(NOISE, rel=0.25)
-    assert (4000 in asked) == (told_by == "fit")
-
-
 def test_equal_errors_are_told_apart_as_seldom_as_stated_and_in_any_unit():
     dof = np.array([4.0, 30.0, 8.0])
     sizes = np.sqrt(random(30).chisquare(dof, (4000, 3)) / dof)
@@ -283,24 +264,6 @@ def test_a_gap_in_a_record_leaves_the_other_rows_of_its_repeats():
     assert (found.sizes, found.dof) == (wanted.sizes, wanted.dof)
     with pytest.raises(ScenarioError, match=r"row 4: t = 5: allowed is the same time, 4"):
         with_repeats([gappy[0], Series(t + (t > 3), again, name="b", repeat_of="a")])
-
-
-def test_vectors_that_differ_in_another_record_alone_share_a_prediction():
-    asked = []
-
-    def counting(record, p):
-        asked.append((record.name, len(p["rate"])))
-        return tank(record, p)
-
-    records = [made(40, 1, name="a"), made(40, 2, name="b"), made(40, 3, name="c")]
-    problem = posed(records, counting, [RATE, START], [DRAG])
-    asked.clear()
-    x = np.zeros((problem.size + 1, problem.size))
-    x[1:] = 0.1 * np.eye(problem.size)
-    assert problem.names == ["rate", "start[a]", "start[b]", "start[c]", "drag"]
-    problem.residuals(x)
-    # As stated, and moved by the rate, its own start and the drag.
-    assert asked == [("a", 4), ("b", 4), ("c", 4)]
 
 
 def beside_dense(problem, covariance, kept, seed):
