@@ -10,7 +10,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from asking_results import measurement
 from stickslip import FieldMap, Measurement, Scenario, ScenarioError, Waveform
 from stickslip._util.columns import read_table, sound_numbers
 from stickslip._util.recipes import Recipe
@@ -21,12 +20,6 @@ from stickslip.walker.read_velocity import read_velocity
 from stickslip.walker.read_velocity import velocities as of_velocities
 
 FRAMES = {"t": "s", "x": "m", "theta": "rad"}
-ANGLES = {"Bx": "T", "Bz": "T", "theta": "rad"}
-FIELDS = {
-    **dict.fromkeys(("xp", "xm", "yp", "ym", "clamp"), "A"),
-    **dict.fromkeys("xyz", "m"),
-    **dict.fromkeys(("Bx", "By", "Bz"), "T"),
-}
 
 
 def voltages(path):
@@ -36,11 +29,6 @@ def voltages(path):
 def velocities(path):
     data, left_out = read_velocity(read_table(path, of_velocities()), Scenario(), float("nan"))
     return (data.conditions, data.velocity.tolist()), left_out
-
-
-def new_trials(path):
-    data = measurement().with_velocities(path)
-    return data.velocity[-1].velocity.tolist(), ()
 
 
 def numbers_of(columns):
@@ -64,17 +52,14 @@ BOX = [
     for place in itertools.product((-1e-3, 1e-3), repeat=3)
 ]
 
-MEASURED = ("velocities", "tracking", "angle", "field")
+MEASURED = ("velocities", "tracking")
 """Kinds of tables that say what was left out of them."""
 
 # Each with its reader, and its lines; the last one is wrong.
 FILES = {
     "voltages": (voltages, ["t,xp,xm,yp,ym,clamp", "0,0,0,0,0,0", "1,5,0,0,0,-10", "2,0,x,0,0,0"]),
     "velocities": (velocities, ["frequency,velocity", "30,1e-3", "40,2e-3", "50,lost"]),
-    "new trials": (new_trials, ["frequency,velocity", "30,1e-3", "41,2e-3", "52,lost"]),
     "tracking": (numbers_of(FRAMES), numbers_text(FRAMES)),
-    "angle": (numbers_of(ANGLES), numbers_text(ANGLES)),
-    "field": (numbers_of(FIELDS), numbers_text(FIELDS)),
     "map": (
         lambda path: (FieldMap.from_file(path), ()),
         ["x,y,z,coil,Bx,By,Bz", *BOX, "1e-3,1e-3,1e-3,zp,0,0,0"],
@@ -233,10 +218,7 @@ def test_a_label_may_begin_with_a_hash(tmp_path):
 UNITS = {
     "voltages": ("t", "t (ms)", 1e3, "t (mV)", "ms"),
     "velocities": ("velocity", "velocity [mm/s]", 1e3, "velocity (mm)", "mm/s"),
-    "new trials": ("frequency", "frequency (kHz)", 1e-3, "frequency (T)", "kHz"),
     "tracking": ("theta", "theta (deg)", 180.0 / math.pi, "theta (m)", "deg"),
-    "angle": ("Bz", "Bz (mT)", 1e3, "Bz (mT/A)", "mT"),
-    "field": ("x", "x (mm)", 1e3, "x (mT)", "mm"),
     "map": ("x", "x (mm)", 1e3, "x (T/A)", "mm"),
 }
 
@@ -313,21 +295,6 @@ def test_rows_that_are_not_valid_are_left_out(tmp_path, kind, words):
         read(write(tmp_path / "a.csv", [told[0], f"{lines[1]},so"]))
     with pytest.raises(ScenarioError, match="no row is sound"):
         read(write(tmp_path / "a.csv", told[:2]))
-
-
-@pytest.mark.parametrize(
-    ("kind", "header", "meant"),
-    [
-        ("velocities", "freqency,velocity", "frequency"),
-        ("velocities", "Frequency (kHz),velocity", "frequency"),
-        ("velocities", "frequency,velocity,Velocity", "velocity"),
-        ("tracking", "t,x,theta,Theta", "theta"),
-    ],
-)
-def test_a_column_like_a_known_one_is_refused(tmp_path, kind, header, meant):
-    row = ",".join("1" for _ in header.split(","))
-    with pytest.raises(ScenarioError, match=f'is not known; did you mean "{meant}"'):
-        FILES[kind][0](write(tmp_path / "a.csv", [header, row]))
 
 
 def test_a_table_in_memory_has_units_and_information_too():

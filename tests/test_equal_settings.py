@@ -8,8 +8,7 @@ from stickslip import Measurement, Scenario, ScenarioError, sweep
 from stickslip._util.arrays import representatives
 from stickslip.sweeping.points import grid
 from stickslip.walker import read_measurement
-from stickslip.walker.experiments import proposals
-from stickslip.walker.velocity import _pooled
+from stickslip.walker.velocity import VelocityTable
 
 NOMINAL = Scenario().replace({"drive.base": 0.5e-3, "drive.pulses": 6})
 
@@ -73,13 +72,6 @@ def test_trials_whose_settings_differ_in_the_last_bit_are_repeats():
     assert said.text.startswith("DataFrame: frequency has 6 values within 1e-06 of another one")
 
 
-def test_labels_numbers_of_trials_and_velocities_are_never_made_one():
-    table = _table(False).assign(block=[f"{k}e-13" for k in range(18)], order=1e-13 * np.arange(18))
-    table["velocity"] = 1e-3 + 1e-15 * np.arange(18)
-    (data,) = Measurement.from_dataframe(table, NOMINAL).velocity
-    assert len(set(data.velocity)) == len(set(data.order)) == len(set(data.block)) == 18
-
-
 def test_conditions_of_several_tables_and_of_the_scenario_are_the_same(tmp_path):
     last_bit = float(np.nextafter(NOMINAL.drive.peak, 1.0))
     second = _table(True).assign(peak=last_bit, hold=1e-3)
@@ -93,9 +85,8 @@ def test_conditions_of_several_tables_and_of_the_scenario_are_the_same(tmp_path)
     )
     added = Measurement.from_dataframe(_table(False), NOMINAL).with_velocities(second)
     for found in (read_measurement(tmp_path / "m.toml"), added):
-        conditions, trials = _pooled(found.velocity)
+        conditions = VelocityTable(found).conditions
         assert len(conditions) == 6
-        assert np.unique(trials[:, 0], return_counts=True)[1].tolist() == [6] * 6
         assert {each["drive.peak"] for each in conditions} == {NOMINAL.drive.peak}
         said = [each.text.split(": ")[1].split(" has ")[0] for each in found.left_out]
         assert said == ["frequency", "peak"]
@@ -116,16 +107,3 @@ def test_an_axis_with_a_value_twice_but_for_its_last_bit_is_refused():
     )
     # Drags are smaller than what counts as 0 in a drive.
     assert grid(NOMINAL, {"drag.rotational": [0.0, 4e-17, 9e-17, 2e-16]}).count == 4
-
-
-def test_a_measured_drive_is_not_proposed_whatever_its_last_bits():
-    def condition(frequency, base, peak):
-        return {
-            "drive.mode": "IPP", "drive.direction": "+x", "drive.edge": "rise", "drive.base": base,
-            "drive.peak": peak, "drive.hold": 1e-3, "drive.frequency": frequency,
-        }  # fmt: skip
-
-    exact = proposals([condition(25.0, 0.0, 2.5e-3), condition(12.5, 0.0, 2.5e-3)])
-    near = [condition(25.000000000000004, 3e-17, 2.5e-3), condition(12.5, 0.0, 0.1 / 40 + 1e-18)]
-    settings = [{k: v for k, v in each.items() if k != "drive.base"} for each in proposals(near)]
-    assert settings == [{k: v for k, v in each.items() if k != "drive.base"} for each in exact]

@@ -1,4 +1,4 @@
-"""Kinds of what laboratories write, by every door: a file, a frame, a Dataset, pint, a command."""
+"""Kinds of what laboratories write, by every door: a file, a frame, a Dataset, pint."""
 
 import datetime
 
@@ -10,7 +10,6 @@ import pint
 import pytest
 import xarray
 
-from command_line import stickslip
 from made_measurement import write_files
 from measured_maps import formula_fields, grid, write_csv
 from refusals.measurement import NOMINAL, TOML
@@ -61,13 +60,6 @@ def dataset(table, model, folder):
     return models.read_log(xarray.Dataset(plain), model)
 
 
-def command(table, model, folder):
-    """Log as the command reads it, whose notes on it come before the verdict."""
-    path = folder / "log.csv"
-    pd.DataFrame(table).to_csv(path, index=False)
-    return models.read_log(columns.Source(path), model)
-
-
 DOORS = {
     "file": file,
     "frame": lambda table, model, folder: models.read_log(pd.DataFrame(table), model),
@@ -75,7 +67,6 @@ DOORS = {
     "pint": lambda table, model, folder: models.read_log(
         with_units(table, lambda v, unit: None if unit in NO_PINT else pint.Quantity(v, unit)),
         model),
-    "command": command,
 }  # fmt: skip
 NO_PINT = ("mm:ss", "r/min", "Nm", "deg C", "Celsius", "%", "ºC", "℃")
 
@@ -101,10 +92,6 @@ ANGLE = 6.0 * T + np.sin(T)
 # A kind: its columns, a model, and the times or readings that are right, with the code of a note
 # where one has to be; or the words of a refusal.
 LOGS = {
-    "seconds": (joint("time (seconds)"), JOINT, ("t", T), None),
-    "r/min": (joint(speed="speed (r/min)", read=SPEED * 30 / np.pi), JOINT, ("y", SPEED),
-              "converted"),
-    "Nm": (joint(torque="torque (Nm)"), JOINT, ("y", SPEED), None),
     "minutes": (joint("time (minutes)", T / 60), JOINT, ("t", T), "converted"),
     "days": (joint("time (d)", 2.0 + T / 86400), JOINT, ("t", 172800 + T), "converted"),
     "Hz for rad/s": (joint(speed="speed (Hz)"), JOINT, "Hz", None),
@@ -227,21 +214,6 @@ NAMES = {
                   "peak in V"),
     "frequency (Hz)": ("f (Hz)", "freq", "rate", "f", "pulse rate (Hz)", "tempo"),
 }  # fmt: skip
-
-
-@pytest.mark.parametrize("door", TABLES)
-@pytest.mark.parametrize(
-    ("name", "other"),
-    [("frequency (Hz)", "frequency / 1/s"), ("frequency (Hz)", "frequency, Hz"),
-     ("frequency (Hz)", "frequency_Hz"), ("peak (mT)", "peak in mT"), ("peak (mT)", "peak mT")],
-)  # fmt: skip
-def test_a_unit_may_stand_behind_a_name_in_many_ways(name, other, door, tmp_path):
-    table = {other if key == name else key: values for key, values in TRIALS.items()}
-    (data,) = TABLES[door](table, tmp_path).velocity
-    assert {each["drive.frequency"] for each in data.conditions} == {20.0, 40.0}
-    assert sorted({each["drive.peak"] for each in data.conditions}) == pytest.approx(
-        [2e-3, 2.5e-3, 3e-3]
-    )
 
 
 @pytest.mark.parametrize("door", TABLES)
@@ -377,32 +349,6 @@ def test_a_mask_is_kept(kind):
 
 def test_a_variable_of_scipp_is_read():
     np.testing.assert_allclose(Series(Scipp(1e3 * T, "ms"), SPEED).t, T)
-
-
-# ------------------------------------------------------------------------------------------ once
-def test_a_file_is_opened_once_and_a_cell_parsed_once(tmp_path, monkeypatch):
-    path = tmp_path / "log.csv"
-    pd.DataFrame(joint()).to_csv(path, index=False)
-    opened, cells = [], []
-
-    def counting_open(name, *more, **named):
-        opened.append(str(name))
-        return open(name, *more, **named)
-
-    def counting_float(value):
-        cells.append(value)
-        return float(value)
-
-    monkeypatch.setattr("stickslip._util.files.open", counting_open, raising=False)
-    for module in ("_util.columns", "_util.text", "_util.clocks"):
-        monkeypatch.setattr(f"stickslip.{module}.float", counting_float, raising=False)
-    models.read_log(path, JOINT)
-    assert opened == [str(path)]
-    assert len([each for each in cells if isinstance(each, str)]) <= 3 * (N + 1)
-    opened.clear()
-    done = stickslip("diagnose", path, "--model", "joint", "--set", "inertia=0.1", "--set", "x=1")
-    assert done.returncode == 2
-    assert opened.count(str(path)) == 1
 
 
 @pytest.mark.parametrize("outcome", [drawn_logs.outcome, drawn_tables.outcome])

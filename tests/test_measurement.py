@@ -234,21 +234,6 @@ def test_the_order_of_a_file_may_be_dates_or_clocks(tmp_path, written):
     assert np.ptp(trials.sequence) == trials.sequence.max() == 480.0
 
 
-def test_frames_are_sorted_and_each_time_counts_once(tmp_path):
-    toml = TOML.split("[[velocity]]")[0] + '[[tracking]]\nfile = "frames.csv"\n'
-    # The scenario's pulses go from 50 to 130 ms.
-    rows = [f"{k}e-3,{k}e-3,{k}e-6" for k in range(120)]
-    rows[3], rows[4] = rows[4], rows[3]
-    frames = "\n".join(["t,theta,x", *rows, "50e-3,50e-3,50e-6", "0.125,,3", "0.2,0,0"])
-    found = read_measurement(write_files(tmp_path, NOMINAL, toml, frames=frames))
-    (run,) = found.tracking
-    assert np.allclose(run.columns["t"], np.arange(120) * 1e-3)
-    assert np.array_equal(run.columns["theta"], run.columns["t"])
-    assert [(each.code, each.value) for each in found.left_out] == [
-        ("bad-cells", 1), ("frames-sorted", None), ("repeated-times", 1), ("frames-after-drive", 1),
-    ]  # fmt: skip
-
-
 # ----------------------------------------------------------------------------------------- priors
 def test_an_uncertain_parameter_of_an_effect_has_a_short_name():
     prior = Prior("normal", 0.0, 0.01)

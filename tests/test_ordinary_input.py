@@ -501,16 +501,6 @@ def test_a_coarse_meter_has_the_error_of_its_step():
     assert "meter-step" not in {each.code for each in fine.notes}
 
 
-def test_causes_of_ones_own_are_told_in_the_users_words():
-    y = Y + np.sin(5.0 * X)
-    for name in ("coil_heating", "surface_tilt", "length_scale"):
-        wave = Cause(name, Parameter("wave.h", unit="mrad", size=0.5, low=-5, high=5), "a wave")
-        found = diagnose_model(line, Table({"x": X}, y, sd=0.1), [SLOPE], [wave])
-        assert found.verdict.causes == (name,)
-        assert "A wave: h" in found.summary()
-        assert "mrad" in found.summary()
-
-
 def test_causes_and_diagnoses_are_pickled():
     t = np.linspace(0.0, 1.0, 24)
     causes = [
