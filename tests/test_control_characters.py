@@ -4,15 +4,13 @@ import json
 import re
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from command_line import stickslip
-from made_measurement import few_causes, write
 from report_page import Page
-from stickslip import Drive, Measurement, Scenario, ScenarioError, Waveform, diagnose
+from stickslip import Drive, Scenario, ScenarioError, Waveform
 from stickslip._util.files import text_writer, write_together
-from stickslip._util.text import json_text, printable, printable_lines, quoted
+from stickslip._util.text import json_text, printable, quoted
 from stickslip._util.toml import parse_toml
 from stickslip.diagnosis import Cause, Parameter, Prior, Table, diagnose_model
 from stickslip.scenario.toml_file import write_scenario
@@ -46,8 +44,7 @@ def test_texts_come_back_from_toml_and_json():
 
 @pytest.mark.parametrize(
     "document",
-    ["[drive]\n{name} = 1\n", "[{name}]\n[drive]\n", "[drive]\nmode = {name}\n",
-     "[drive]\n[effects.{name}]\n", "[drive]\n[effects.surface_tilt]\n{name} = 1\n",
+    ["[drive]\n{name} = 1\n", "[{name}]\n[drive]\n", "[drive]\n[effects.{name}]\n",
      "[drive]\npeak = {{ {name} = {name} }}\n", '[drive]\nmode = "program"\nfile = {name}\n'],
 )  # fmt: skip
 def test_errors_of_a_scenario(tmp_path, document):
@@ -100,18 +97,6 @@ def test_a_scenario_that_is_written_is_read_back_whatever_it_is_called(tmp_path)
         np.testing.assert_array_equal(read, written)
 
 
-def test_a_page_escapes_control_characters_and_markup(tmp_path):
-    slope = Parameter("slope", Prior("normal", 0.0, 1.0), cause=False)
-    x = np.linspace(0.2, 1.0, 12)
-    table = Table({"x": x}, 0.3 * x, sd=0.1)
-    found = diagnose_model(lambda at, p: p["slope"] * at["x"], table, [slope])
-    found.save_report(tmp_path / "out", title=f"<b>{WILD}")
-    page = (tmp_path / "out" / "report.html").read_text()
-    assert all(line.isprintable() for line in page.split("\n"))
-    assert f"<h1>&lt;b&gt;{printable_lines(WILD)}</h1>" in page
-    assert json.loads((tmp_path / "out" / "report.json").read_text())["name"] == f"<b>{WILD}"
-
-
 @pytest.mark.filterwarnings("error:Glyph", "error:constrained_layout")
 def test_names_of_a_users_model_are_text_on_the_page_whatever_they_hold(tmp_path):
     name = f"<script>alert(1)</script>\"'>& {WILD} $\\frac{{$"
@@ -136,31 +121,6 @@ def test_names_of_a_users_model_are_text_on_the_page_whatever_they_hold(tmp_path
     parsed = Page(tmp_path / "report.html")  # every tag is closed, and none was opened by a name
     assert {each["tag"] for each in parsed.elements} <= set(TAGS)
     assert all(each.isprintable() for each in found.summary().split("\n"))
-
-
-def test_a_note_shows_what_a_file_holds_without_its_control_characters():
-    table = pd.DataFrame({"velocity": [1e-3, 2e-3], WILD: [1, 1]})
-    (note,) = Measurement.from_dataframe(table, Scenario()).left_out
-    assert note.code == "columns-not-used"
-    assert str(note).isprintable()
-    assert printable(WILD) in str(note)
-
-
-@pytest.mark.nightly
-def test_names_of_files_are_text_on_the_page_whatever_they_hold(tmp_path, monkeypatch):
-    few_causes(monkeypatch, ("surface_tilt",))
-    wild = f"<em>{WILD}</em>"
-    path = write(tmp_path, {})
-    cells = wild.replace("/", "")
-    (tmp_path / "velocity.csv").rename(tmp_path / cells)
-    text = path.read_text().replace('"velocity.csv"', quoted(cells))
-    path.write_text(text.replace('"test bench"', quoted(wild)))
-    found = diagnose(read_measurement(path), threads=1)
-    found.save_report(tmp_path / "out")
-    page = (tmp_path / "out" / "report.html").read_text()
-    assert all(line.isprintable() for line in page.split("\n"))
-    assert "<em>" not in page
-    assert printable_lines(cells).replace("<", "&lt;").replace(">", "&gt;") in page
 
 
 def test_files_of_a_report_are_replaced_together(tmp_path):

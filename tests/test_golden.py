@@ -57,19 +57,3 @@ def test_a_difference_is_seen_beyond_the_tolerance_of_its_kind(before, alike, ot
     assert any(golden.differences(before, other, exact=False))
     # To the last bit only the same is alike.
     assert any(golden.differences(before, alike, exact=True)) is (repr(before) != repr(alike))
-
-
-def test_of_a_long_list_the_length_and_some_items_are_kept_and_rounding_orders_none():
-    kept = golden.thinned({"conditions": [{"k": k} for k in range(200)], "few": [1, 2]})
-    assert kept["few"] == [1, 2]
-    assert (kept["conditions"][0], len(kept["conditions"])) == (200, golden.MOST + 1)
-    assert [kept["conditions"][k]["k"] for k in (1, -1)] == [0, 199]
-    rows = [{"candidate": name} for name in "ab"]
-    assert golden.thinned([["b", "a"], rows[::-1]]) == [["a", "b"], rows]
-
-
-def test_a_problem_that_is_gone_or_new_is_a_difference(capsys):
-    said = {"verdict": "named", "cause": "wave"}
-    assert golden.compared({"one": said}, {"one": said, "two": said}, exact=False) == 1
-    assert golden.compared({"one": said, "two": said}, {"one": said}, exact=False) == 1
-    assert "two: ['named', 'wave'] -> -" in capsys.readouterr().out

@@ -2,7 +2,6 @@
 
 import os
 import threading
-from pathlib import Path
 
 import pytest
 
@@ -33,17 +32,6 @@ def read_table(path):
     return columns.read_table(path, velocities())
 
 
-def test_names_with_a_nul_are_refused_wherever_they_stand(tmp_path):
-    path = tmp_path / "s.toml"
-    path.write_text(HEAD)
-    path = tmp_path / "m.toml"
-    path.write_text(MEASUREMENT.replace("s.toml", "s\\u0000"))
-    refused(path, "NUL", read=read_measurement)
-    for kind in ("velocity", "tracking", "angle", "field"):
-        path.write_text(f'{MEASUREMENT}[[{kind}]]\nfile = "a\\u0000b.csv"\n')
-        refused(path, f'[[{kind}]] file = "a\\u0000b.csv"', "NUL", read=read_measurement)
-
-
 def test_links_in_a_circle_are_refused(tmp_path):
     (tmp_path / "s.toml").write_text(HEAD)
     (tmp_path / "loop.nc").symlink_to("loop.nc")
@@ -64,14 +52,6 @@ def test_names_that_no_report_could_hold_are_refused_before_the_work(tmp_path):
     os.rename(path, tmp_path / f"{NOT_UTF8}.toml")
     check(stickslip("diagnose", tmp_path / f"{NOT_UTF8}.toml"), "not UTF-8")
     assert sorted(os.listdir(tmp_path)) == [f"{NOT_UTF8}.toml", "nominal.toml", "velocity.csv"]
-
-
-def test_devices_are_not_read(tmp_path):
-    (tmp_path / "s.toml").write_text(PROGRAM.replace("v.csv", "/dev/zero"))
-    check(stickslip("run", tmp_path / "s.toml"), 'drive.file = "/dev/zero"', "device")
-    check(stickslip("run", "/dev/zero"), "/dev/zero", "device")
-    with pytest.raises(ScenarioError, match=r"/dev/zero: .* device"):
-        read_table(Path("/dev/zero"))
 
 
 def test_a_pipe_is_read(tmp_path):

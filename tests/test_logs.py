@@ -418,6 +418,13 @@ def test_the_columns_of_a_model_of_ones_own_are_checked(tmp_path):
         models.read_log(path, print)
 
 
+@pytest.mark.parametrize("shape", [(1, -1), (-1, 1)])
+def test_a_matrix_of_one_row_or_column_is_a_column_of_a_log(shape):
+    columns = {"t": T, "speed": np.cos(T), "torque": TORQUE}
+    log = models.read_log({name: each.reshape(shape) for name, each in columns.items()}, JOINT)
+    np.testing.assert_array_equal(log.y, np.cos(T))
+
+
 ROW = "0,20,20,1\n10,21,20,1\n"
 NOT_ONE = {
     "one of two temperatures": ("t,temperature,ambient (degC),power\n" + ROW, HEATER,

@@ -21,7 +21,6 @@ from stickslip import (
     Coil,
     Coils,
     Drive,
-    Record,
     Scenario,
     State,
     Waveform,
@@ -423,20 +422,6 @@ def test_a_file_has_the_frames_it_says_and_repeats(tmp_path, suffix):
     assert [each.name for each in tmp_path.iterdir()] == [path.name]
 
 
-@pytest.mark.parametrize(("suffix", "step"), [("gif", 10), ("webp", 1)])
-def test_frames_of_a_file_last_as_long_as_they_say_together(tmp_path, suffix, step):
-    path, made = tmp_path / f"a.{suffix}", plot.animation(
-        recorded("opp"), 0.1, 0.14, slowdown=5.0, frames_per_second=60.0)  # fmt: skip
-    made.save(path)
-    with Image.open(path) as picture:
-        lasts = []
-        for k in range(made.frames):
-            picture.seek(k)
-            picture.load()
-            lasts.append(picture.info["duration"])
-    assert abs(sum(lasts) - 1000.0 * made.frames / 60.0) <= step / 2
-
-
 def test_an_interrupt_of_the_first_frame_leaves_nothing(tmp_path):
     def interrupt(part, stage):
         raise KeyboardInterrupt
@@ -521,43 +506,3 @@ def test_the_view_from_above_has_the_path_so_far_and_the_arrows_passed():
         shown = sum(each.get_visible() for each in arrows)
         assert shown > passed
         passed = shown
-
-
-def test_a_walk_of_steady_pulses_leads_from_its_last_frame_to_its_first():
-    drive = Drive(frequency=50, base=0.5e-3, pulses=20)
-    run = simulate(Scenario(drive=drive, record=Record(rate=2e4)))
-    # The last five of the pulses, in at most ten seconds.
-    assert plot.animation(run, frames_per_second=10.0).frames == 100
-    made = plot.animation(run, slowdown=200.0, frames_per_second=1e2)
-    end = run.scenario.window[1]
-
-    def seen(frame):
-        """Places from the middle of the view, µm: of body, ticks, flight, slip and stick."""
-        side = made.frame(frame).axes[0]
-        middle = np.mean(side.get_xlim())
-        ticks = np.array([each[0, 0] for each in side.collections[0].get_segments()])
-        trace = [each.get_xdata() for each in side.get_lines() if np.size(each.get_xdata()) > 2]
-        places = [np.asarray(each) - middle for each in (outline(side)[:, 0], ticks, *trace)]
-        return [each[np.isfinite(each)] for each in places]
-
-    # From frame to frame the camera moves by less than a thousandth of the way.
-    pairs = list(zip(seen(0), seen(-1), strict=True))
-    assert len(pairs) == 5
-    for one, other in [*pairs, *(pair[::-1] for pair in pairs)]:
-        inner = one[np.abs(one) < 250.0]
-        assert inner.size
-        assert np.abs(np.subtract.outer(inner, other)).min(axis=1).max() < 1.5
-    first, last = (int(np.abs(run.t - time).argmin()) for time in (end - 5 / 50, end))
-    assert run.x[last] - run.x[first] > 80e-6
-
-
-def test_the_camera_stays_with_a_robot_that_stands_up_and_walks_far():
-    run = recorded("forty pulses")
-    made = plot.animation(run, 0.0, float(run.t[-1]), slowdown=4.0)
-    assert run.x[-1] > 1.0e-3
-    for frame in range(0, made.frames, 4):
-        side = made.frame(frame).axes[0]
-        body, (low, high) = outline(side), side.get_xlim()
-        assert low < body[:, 0].min() < body[:, 0].max() < high
-        assert body[:, 1].max() < side.get_ylim()[1]
-        assert high - low < 600.0

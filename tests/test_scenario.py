@@ -5,13 +5,11 @@ import copy
 import inspect
 import pickle
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import stickslip
-from command_line import python_process
 from sections_stub import FILE, NAMES_FILE, RUN_FILE, names_stub_text, run_stub_text, stub_text
 from stickslip import (
     STATE_COLUMNS,
@@ -285,12 +283,6 @@ def test_every_word_is_its_own_nearest_and_a_doubled_letter_is_recognised():
     assert tried > 3
     assert meant("wxyz", ["one", "two"]) == ""
     assert suggestion("wxyz", ["one", "two"], ["one"]) == 'known are "one"'
-
-
-def test_a_sixth_object_is_a_row_of_the_table(tmp_path):
-    script = Path(__file__).with_name("sixth_object.py")
-    done = python_process(script, tmp_path)
-    assert done.returncode == 0, done.stderr
 
 
 @pytest.mark.parametrize("wrong", ['"wrong"', "[1]", "nan"])

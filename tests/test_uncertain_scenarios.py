@@ -61,13 +61,6 @@ def test_a_scenario_with_all_that_is_uncertain_survives_file_and_pickle(tmp_path
     assert given.replace({"drive.peak": 2e-3}).uncertain is given.uncertain
 
 
-def test_the_root_of_a_covariance_is_computed_once_for_all_draws(monkeypatch):
-    given, calls, eigh = scenario(), [], np.linalg.eigh
-    monkeypatch.setattr(np.linalg, "eigh", lambda matrix: calls.append(matrix) or eigh(matrix))
-    assert given.draws(3)[:2] == given.draws(2)
-    assert len(calls) == 1
-
-
 def test_tables_and_objects_are_the_same_whatever_their_order():
     tables = {
         "surface_tilt.angle": {"mean": 0.0, "sd": 0.01},

@@ -26,14 +26,10 @@ def simulated(conditions, **changes):
     return np.array([run.mean_velocity for run in runs])
 
 
-def test_predictions_are_simulations_read_by_the_instruments(found, monkeypatch):
+def test_predictions_are_simulations_read_by_the_instruments(found):
     # In the last row kinetic friction is above the static one.
     values = np.array([[0.145, 0.0], [0.15, 2e-4], [0.15, 0.0], [0.9, 0.0]])
-    vectors, physics = [], found.physics
-    monkeypatch.setattr(found, "physics", lambda _, rows: vectors.extend(rows) or physics(_, rows))
     *got, refused = found.predict(NAMES, values)
-    # Vectors that differ in the instrument alone share a simulation.
-    assert len(vectors) == 3
     for (friction, shift), row in zip(values.tolist(), got, strict=False):
         expected = simulated(found.conditions, contact__kinetic_friction=friction) + shift
         assert row == pytest.approx(expected, rel=1e-12)
@@ -44,12 +40,6 @@ def test_predictions_are_simulations_read_by_the_instruments(found, monkeypatch)
     # Of low fidelity are fewer pulses and a loose tolerance.
     short = simulated(found.conditions, drive__pulses=4, solver__rtol=1e-4)
     assert one.low_fidelity(NAMES[:1], np.array([[0.145]]))[0] == pytest.approx(short, rel=1e-12)
-
-
-def test_a_simulation_has_so_many_steps_for_each_pulse(found, monkeypatch):
-    monkeypatch.setattr("stickslip.walker.velocity._STEPS_A_PULSE", 1)
-    for predict in (found.predict, found.low_fidelity):
-        assert np.isnan(predict(NAMES[:1], np.array([[0.145]]))).all()
 
 
 def test_the_stated_model_is_at_the_middle_of_the_priors(found):
