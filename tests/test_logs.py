@@ -46,6 +46,17 @@ def test_a_bare_heading_and_one_known_by_its_unit_are_noted(t, speed, torque, co
     assert {each.code for each in log.own_notes} == {code}
 
 
+def test_lines_above_the_names_are_skipped_and_counted(tmp_path):
+    write(tmp_path / "a.csv", {"Time (s)": T, "Speed (rpm)": T, "TORQUE (Nm)": T})
+    above = "Device: DAQ 7\nDate: 2026-05-01\n\n" + (tmp_path / "a.csv").read_text()
+    (tmp_path / "a.csv").write_text(above)
+    notes = models.read_log(tmp_path / "a.csv", JOINT).own_notes
+    assert [each.value for each in notes if each.code == "preamble"] == [2]
+    (tmp_path / "a.csv").write_text(f"{above}0,0,0\n")
+    with pytest.raises(ScenarioError, match=f"line {len(T) + 5}, "):
+        models.read_log(tmp_path / "a.csv", JOINT)
+
+
 @pytest.mark.nightly
 def test_a_reader_that_closes_the_pipe_loses_no_file(tmp_path):
     reading, writing = os.pipe()

@@ -42,6 +42,12 @@ def test_predictions_are_simulations_read_by_the_instruments(found):
     assert one.low_fidelity(NAMES[:1], np.array([[0.145]]))[0] == pytest.approx(short, rel=1e-12)
 
 
+def test_a_simulation_has_so_many_steps_for_each_pulse(found, monkeypatch):
+    monkeypatch.setattr("stickslip.walker.velocity._STEPS_A_PULSE", 1)
+    for predict in (found.predict, found.low_fidelity):
+        assert np.isnan(predict(NAMES[:1], np.array([[0.145]]))).all()
+
+
 def test_the_stated_model_is_at_the_middle_of_the_priors(found):
     higher = {"contact.kinetic_friction": Prior("normal", 0.16, 0.01)}
     table = VelocityTable(measurement(trials(), higher))

@@ -8,9 +8,10 @@ from scipy.signal import lfilter
 
 from stickslip import Cause, Prior, Series, diagnose_model, models
 from stickslip.diagnosis.data.table import Table
-from stickslip.diagnosis.decision.gain import in_blocks, measured
+from stickslip.diagnosis.decision.gain import Gain, in_blocks, measured
 from stickslip.diagnosis.decision.misfit_test import GOF_LEVEL, goodness_of_fit
 from stickslip.diagnosis.decision.posterior import posterior
+from stickslip.diagnosis.decision.verdict import _takes_little
 from stickslip.diagnosis.fitting.scatter import with_scatter
 from stickslip.diagnosis.pipeline import run
 from stickslip.diagnosis.terms.parameter import Parameter
@@ -116,6 +117,23 @@ def test_what_is_left_beside_a_dominant_cause_must_not_follow_the_settings():
         kinds[name] = result.verdict.kind, [note.code for note in result.verdict.reasons]
     assert kinds["scatter"][0] == "dominant"
     assert kinds["wave"] == ("unexplained", ["pattern-left"])
+
+
+@pytest.mark.parametrize(
+    ("share", "intervals", "against"),
+    [
+        (0.69, [(0.1, 2.0), (0.1, 2.0)], ["small-share"]),
+        (0.71, [(0.1, 2.0), (0.1, 2.0)], []),
+        (0.89, [(0.1, 2.0), (-0.1, 2.0)], ["uncertain-gain"]),
+        (0.89, [(0.1, 2.0), None], ["uncertain-gain"]),
+        (0.91, [(-0.1, 2.0), None], []),
+        (0.91, [(0.1, 2.0), (-2.0, -0.1)], ["uncertain-gain"]),
+    ],
+)
+def test_causes_that_take_nearly_all_only_must_not_predict_worse(share, intervals, against):
+    (leader,) = found(data(extra(wave=0.4))).models.leaders(1)
+    gains = [each and Gain(2.0, 1.0, each) for each in intervals]
+    assert [note.code for note in _takes_little(leader, share, gains)] == against
 
 
 @pytest.mark.nightly
