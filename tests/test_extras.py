@@ -147,7 +147,9 @@ def test_every_public_name_is_there_or_names_its_extra(tmp_path):
         **dict.fromkeys(["predict", "sweep", "sweep_dataframe"], "h5netcdf"),
         **dict.fromkeys(["Cause", "Diagnosis", "Measurement", "Parameter", "Series"], "scipy"),
         **dict.fromkeys(["diagnose", "free_law"], "scipy"),
-        **dict.fromkeys(["diagnose_in_rounds", "diagnose_model", "instruments", "models"], "scipy"),
+        **dict.fromkeys(
+            ["propose_experiments", "diagnose_model", "instruments", "models"], "scipy"
+        ),
         **dict.fromkeys(["Table", "diagnose_change", "events", "read_measurement"], "scipy"),
         **dict.fromkeys(["Optimum", "optimise"], "cma"),
         "plot": "matplotlib",

@@ -46,8 +46,8 @@ _NAMES = {
     "stickslip.sweeping.sweep_table": "sweep_dataframe",
     "stickslip.versions": "show_versions",
     "stickslip.walker.diagnose": "diagnose",
+    "stickslip.walker.experiments": "propose_experiments",
     "stickslip.walker.reading": "Measurement read_measurement",
-    "stickslip.walker.rounds": "diagnose_in_rounds",
     "stickslip.walker.track": "velocity_of_track",
 }
 _HOMES = {name: home for home, names in _NAMES.items() for name in names.split()}

@@ -58,7 +58,7 @@ from stickslip.sweeping.run_sweep import sweep as sweep
 from stickslip.sweeping.sweep_table import sweep_dataframe as sweep_dataframe
 from stickslip.versions import show_versions as show_versions
 from stickslip.walker.diagnose import diagnose as diagnose
+from stickslip.walker.experiments import propose_experiments as propose_experiments
 from stickslip.walker.reading import Measurement as Measurement
 from stickslip.walker.reading import read_measurement as read_measurement
-from stickslip.walker.rounds import diagnose_in_rounds as diagnose_in_rounds
 from stickslip.walker.track import velocity_of_track as velocity_of_track

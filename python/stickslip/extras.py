@@ -22,7 +22,7 @@ EXTRAS = {
 """The modules of each extra of pyproject.toml."""
 
 _DIAGNOSIS = (
-    *("Cause", "Diagnosis", "Measurement", "Parameter", "Table", "diagnose", "diagnose_in_rounds"),
+    *("Cause", "Diagnosis", "Measurement", "Parameter", "Table", "diagnose", "propose_experiments"),
     *("Series", "diagnose_model", "events", "free_law", "instruments", "models"),
     *("diagnose_change", "read_measurement"),
 )

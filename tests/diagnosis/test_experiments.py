@@ -1,18 +1,19 @@
-"""Which experiments tell candidates apart, and tables of them."""
+"""Which experiments tell candidates apart, and what is said of them."""
 
-from types import SimpleNamespace
+import itertools
 
 import numpy as np
 import pandas as pd
 import pytest
 from scipy.stats import multivariate_normal
 
+from made_velocities import drives, measurement
 from stickslip import Scenario
 from stickslip.diagnosis.decision import experiments as asked
 from stickslip.diagnosis.decision.verdict import Verdict
 from stickslip.walker import experiments as design
-
-PAIR = [(0, 1)]
+from stickslip.walker.problem import Drives
+from stickslip.walker.velocity import drive_settings
 
 
 def condition(mode="OPP", hold=1e-3, frequency=30.0, **more):
@@ -22,15 +23,15 @@ def condition(mode="OPP", hold=1e-3, frequency=30.0, **more):
     }  # fmt: skip
 
 
-def chosen(level, covariance=None, noise=1.0, more=None, **options):
-    """Experiments of drives at 30, 45 and 60 Hz, of which candidates predict a level each."""
+def chosen(level, covariance=None, noise=1.0, count=3, pairs=None, given=None):
+    """Experiments of drives at 30 Hz and more, of which candidates predict a level each."""
     level = np.array(level)
-    count = level.shape[1]
-    given = [condition(frequency=pace, **(more or {})) for pace in (30.0, 45.0, 60.0)[:count]]
-    covariance = np.zeros((len(level), count, count)) if covariance is None else covariance
-    return design.choose(
-        given, "abc"[: len(level)], level, covariance, np.full(count, noise), **options
-    )
+    candidates, drives = level.shape
+    given = given or [condition(frequency=30.0 + 15.0 * k) for k in range(drives)]
+    covariance = np.zeros((candidates, drives, drives)) if covariance is None else covariance
+    pairs = list(itertools.combinations(range(candidates), 2)) if pairs is None else pairs
+    predicted = level, covariance, np.full(drives, noise)
+    return design.choose(given, "abcdef"[:candidates], predicted, pairs, count)[0]
 
 
 def diagonal(variance):
@@ -42,14 +43,15 @@ def test_the_chi_square_is_the_evidence_that_a_reading_is_expected_to_bring():
     # For errors of one size, twice the mean log-evidence for the truth is the squared gap.
     level, noise = np.array([[1.0], [1.6]]), np.array([0.04])
     covariance = diagonal([[0.05], [0.05]])
-    (chi2,) = design.expected_chi2(level, covariance, noise, PAIR)[:, 0]
+    chi2 = asked.expected_chi2(level, covariance, noise)[0, 1, 0]
     assert chi2 == pytest.approx(0.6**2 / 0.09)
     y = np.random.default_rng(1).normal(1.0, 0.3, 200_000)
     lead = multivariate_normal(1.0, 0.09).logpdf(y) - multivariate_normal(1.6, 0.09).logpdf(y)
     assert chi2 == pytest.approx(2.0 * np.mean(lead), rel=0.02)
     # A candidate that leaves much open cannot be told from another by what it allows.
     covariance[1] = 1.0
-    assert design.expected_chi2(level, covariance, noise, PAIR)[0, 0] == pytest.approx(0.36 / 1.04)
+    both = asked.expected_chi2(level, covariance, noise)[..., 0]
+    assert both.tolist() == [[0.0, pytest.approx(0.36 / 1.04)], [pytest.approx(0.36 / 1.04), 0.0]]
 
 
 def test_what_is_uncertain_in_both_cancels_between_two_drives():
@@ -57,22 +59,35 @@ def test_what_is_uncertain_in_both_cancels_between_two_drives():
     level = np.array([[0.1, -0.1, 0.1], [-0.1, 0.1, -0.1]])
     covariance = np.ones((2, 3, 3))
     noise = np.full(3, 0.01)
-    alone = design.expected_chi2(level, covariance, noise, PAIR)[0]
+    alone = asked.expected_chi2(level, covariance, noise)[0, 1]
     assert alone == pytest.approx(np.full(3, 0.04 / 1.01))
-    together = design.expected_chi2(level, covariance, noise, PAIR, beside=[0])[0]
+    together = asked.expected_chi2(level, covariance, noise, beside=[0])[0, 1]
     # The difference of the first two is free of the constant: 0.4 with an error of 0.02^(1/2).
     assert together[1] == pytest.approx(0.4**2 / 0.02, rel=1e-3)
-    assert together[0] == pytest.approx(alone[0])
-    # The third, like the first, only halves the noise.
-    assert together[2] < 1.01 * alone[0]
+    # The same again, and the third, which is like it, only halve the noise.
+    assert together[[0, 2]] == pytest.approx(0.04 / 1.005)
+
+
+def test_separations_by_several_drives_are_those_of_all_their_readings():
+    random = np.random.default_rng(3)
+    level, slopes = random.standard_normal((3, 5)), random.standard_normal((3, 2, 5))
+    covariance, noise = slopes.swapaxes(1, 2) @ slopes, random.uniform(0.1, 1.0, 5)
+    found = asked.expected_chi2(level, covariance, noise, beside=[4, 1])
+    for a, b in itertools.combinations(range(3), 2):
+        for k in (0, 2, 3):
+            rows = [4, 1, k]
+            gap = (level[a] - level[b])[rows]
+            errors = [covariance[c][np.ix_(rows, rows)] + np.diag(noise[rows]) for c in (a, b)]
+            least = min(gap @ np.linalg.inv(each) @ gap for each in errors)
+            assert found[a, b, k] == found[b, a, k] == pytest.approx(least)
 
 
 def test_what_a_candidate_cannot_compute_is_no_proposal():
     level = np.array([[0.0, 1.0, 0.0], [1.0, np.nan, 1.0]])
     covariance = diagonal(np.zeros((2, 3)))
     covariance[0, 2, 2] = np.nan
-    chi2 = design.expected_chi2(level, covariance, np.ones(3), PAIR)
-    assert chi2.tolist() == [[1.0, 0.0, 0.0]]
+    chi2 = asked.expected_chi2(level, covariance, np.ones(3))
+    assert chi2[0, 1].tolist() == [1.0, 0.0, 0.0]
 
 
 # --------------------------------------------------------------------------------------- choice
@@ -83,9 +98,7 @@ def test_the_best_of_each_kind_is_chosen_and_none_is_mirrored():
              condition(frequency=45.0), condition(frequency=60.0)]  # fmt: skip
     level = 1e-3 * np.array([[3.0, 2.0, -3.0, 1.0, 0.0], [1.0, 1.0, -1.0, 0.5, 0.0]])
     found, (weak,) = (
-        design.choose(
-            given, "ab", level, diagonal(np.full((2, 5), variance)), np.full(5, 1e-7), count=n
-        )
+        chosen(level, diagonal(np.full((2, 5), variance)), 1e-7, n, given=given)
         for variance, n in ((0.0, 5), (1e-5, 1))
     )
     # The second is of the first one's kind, the third its mirror image, the last tells nothing.
@@ -105,8 +118,8 @@ def paces(found):
 
 
 def test_the_second_drive_is_for_those_that_the_first_leaves_alike():
-    # The first tells a from b and c by ten errors, the second by nine, the third b from c by three.
-    level = [[10.0, 9.0, 1.5], [0.0, 0.0, 3.0], [0.0, 0.0, 0.0]]
+    # The first tells a from b and c by ten errors, the second by nine, the third c by three.
+    level = [[10.0, 9.0, 3.0], [0.0, 0.0, 3.0], [0.0, 0.0, 0.0]]
     found = chosen(level, count=2)
     assert paces(found) == [30.0, 60.0]
     assert "separates b from c" in found[1].why.text
@@ -125,11 +138,25 @@ def test_a_second_drive_that_pins_the_constants_is_worth_its_time():
     assert [each.decides for each in found] == [False, True]
     assert "beside the drives before it" in found[1].why.text
     # So the first is needed too, though alone it tells little.
-    assert found[0].separation < design.DECISIVE / 3
-    assert (
-        asked.worth_measuring(asked.next_step(Verdict("ambiguous"), ["a", "b"], 0.5), found)
-        == found
-    )
+    assert found[0].separation < asked.DECISIVE / 3
+
+
+def separated(level, covariance, rows):
+    """Pairs of candidates that are two standard errors apart by some drives together."""
+    chi2 = asked.expected_chi2(level, covariance, np.ones(level.shape[1]), rows[:-1])
+    return np.sum(np.triu(chi2[..., rows[-1]], 1) > asked.DECISIVE)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_chosen_drives_are_hardly_worse_than_the_best_of_all_and_better_than_most(seed):
+    random = np.random.default_rng(seed)
+    level, slopes = 1.2 * random.standard_normal((6, 9)), random.standard_normal((1, 9))
+    covariance = np.tile(slopes.T @ slopes, (6, 1, 1))
+    found = [round((pace - 30.0) / 15.0) for pace in paces(chosen(level, covariance))]
+    every = [separated(level, covariance, rows) for rows in itertools.combinations(range(9), 3)]
+    told = separated(level, covariance, found)
+    assert told >= 0.9 * max(every)
+    assert told > np.quantile(every, 0.9)
 
 
 def test_nothing_to_choose_from_gives_nothing():
@@ -171,61 +198,29 @@ def test_a_safe_name_asks_for_nothing(kind):
     )
     assert step.code == "name-safe"
     assert "safe: warm coils, with a probability of 0.981" in step.text
-    found = chosen([[0.0], [5.0]])
-    assert asked.worth_measuring(step, found) == []
-    assert asked.worth_measuring(asked.next_step(Verdict("none"), [], 0.0), found) == []
+    assert open_step.code == "no-safe-name"
+    assert asked.next_step(Verdict("none"), [], 0.0).code == "nothing-to-separate"
     left = asked.next_step(Verdict("none"), ["warm coils"], 0.3, ["direction"])
     assert (left.code, left.value) == ("cause-left", 0.3)
     assert "direction" in str(left)
-    assert asked.worth_measuring(open_step, found) == found
-    # Three in a row would not be enough.
-    poor = chosen([[0.0], [1.0]])
-    assert poor[0].separation < design.DECISIVE / 3
-    assert asked.worth_measuring(open_step, poor) == []
 
 
 def test_advice_is_given_where_it_tells_causes_apart():
     names = {"coil_heating": "warm coils", "surface_tilt": "a tilted stage", "edge_time": "an edge"}
-    said = {each.code: each.text for each in design.advice(names, [])}
+    advice = Drives(measurement(drives().assign(velocity=1e-3)), ()).advice
+    said = {each.code: each.text for each in advice(names, [])}
     assert set(said) == {"look-at-currents", "look-at-tilt"}
     assert said["look-at-currents"].endswith("This shows warm coils and an edge alone.")
-    assert design.advice({"coil_heating": "warm coils", "edge_time": "an edge"}, []) == []
-    assert [each.code for each in design.advice({}, chosen([[0.0], [1.0]]))] == ["none-separates"]
-
-
-# --------------------------------------------------------------------------------------- tables
-def test_a_table_has_a_row_for_each_trial_and_each_prediction():
-    ramp, covariance = {"drive.ramp": 0.01}, diagonal([[0.0, 0.0], [0.04, 0.04]])
-    found = chosen([[0.0, 0.0], [5.0, 4.0]], covariance, more=ramp)
-    velocity = SimpleNamespace(conditions=[condition(**ramp)] * 7, block=np.array([0]), order=[])
-    known = SimpleNamespace(velocity=[velocity], scenario=Scenario())
-    columns = design.setting_columns(known)
-    varied = [key.removeprefix("drive.") for key in design.CHOICES]
-    assert columns[:6] == varied
-    assert "ramp" in columns
-    assert "coils" not in columns
-    table = design.trial_table(known, found, 2)
-    assert list(table) == [*columns, "trial", "block", "velocity"]
-    assert table["frequency"].tolist() == [30.0, 30.0, 45.0, 45.0]
-    assert table["trial"].tolist() == [1, 2, 1, 2]
-    assert set(table["block"]) == {"after-7"}
-    assert table["velocity"].isna().all()
-    predicted = design.prediction_table(known, found)
-    assert predicted["experiment"].tolist() == [1, 1, 2, 2]
-    assert predicted["candidate"].tolist() == ["a", "b"] * 2
-    assert predicted["velocity"].tolist() == [0.0, 5.0, 0.0, 4.0]
-    assert predicted["sd"].tolist() == [0.0, 0.2, 0.0, 0.2]
-    # What is filled in is read again as it is.
-    assert design.drive_settings(table, Scenario())[2]["drive.frequency"] == 45.0
-    assert list(design.trial_table(known, [], 2)) == list(table)
+    assert advice({"coil_heating": "warm coils", "edge_time": "an edge"}, []) == []
+    assert [each.code for each in advice({}, chosen([[0.0], [1.0]]))] == ["none-separates"]
 
 
 def test_drives_are_read_as_a_person_writes_them():
     rows = [{"frequency": 40.0}, {"drive.frequency": 55, "direction": "-x"}]
     expected = [{"drive.frequency": 40.0}, {"drive.frequency": 55, "drive.direction": "-x"}]
-    assert design.drive_settings(rows, Scenario()) == expected
+    assert drive_settings(rows, Scenario()) == expected
     written = pd.DataFrame({"frequency": [40], "mode": "ipp", "direction": " X "})
     written = written.assign(velocity=1e-3, trial=1, block="a", order=3, velocity_sd=0.1)
     expected = [{"drive.frequency": 40, "drive.mode": "IPP", "drive.direction": "+x"}]
     for given in (written, written.set_index("frequency")):
-        assert design.drive_settings(given, Scenario()) == expected
+        assert drive_settings(given, Scenario()) == expected

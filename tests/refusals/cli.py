@@ -13,7 +13,6 @@ MEASURED = {
     '[[velocity]]\nfile = "velocity.csv"\n',
     "velocity.csv": "velocity\n1e-3\n",
 }
-NEXT = "mode,direction,frequency,peak,hold,edge,trial,velocity\n"
 LOG = ["t (s),speed (rad/s),torque (N m)", *(f"0.{k},0.0{k},1.0" for k in range(10))]
 MODELS = "from stickslip import models\nsteel = models.joint(inertia=1)\nnone = print\n"
 JOINT = "--model joint --set inertia=1"
@@ -63,14 +62,8 @@ def after(command):
     return lambda folder, bad: by_command(folder, f"{command} {bad}")
 
 
-def by_next(folder, bad):
-    """A table of proposed drives that was filled in."""
-    files = {**MEASURED, "found/next.csv": bad}
-    return by_command(folder, ("diagnose m.toml --out found --next 1", files))
-
-
 WAYS = {
-    "command": by_command, "log": by_log, "--next": by_next,
+    "command": by_command, "log": by_log,
     "--set": after("run s.toml --out a.nc --set"),
     "--vary": after("sweep s.toml --out a.nc --vary"),
     "optimise": after("optimise s.toml --maximise mean_velocity --evaluations 20 "
@@ -180,10 +173,8 @@ REFUSALS = [
     ("optimise", "--free drive.hold=1e-3:2e-3 --uncertain none.toml", "none.toml"),
     ("command", ("optimise best/s.toml --maximise slip_up",
                  {"best/s.toml": "stickslip = 1\n[drive]\n"}), "is read"),
-    ("command", ("diagnose m.toml --budget 2", MEASURED), ["--budget", "--next"]),
     ("command", ("diagnose m.toml --out /proc", MEASURED), ["cannot write", "/proc"]),
     ("command", ("diagnose m.toml", {"m.toml": MEASURED["m.toml"]}), "velocity.csv"),
-    ("--next", NEXT + "IPP,-x,50,2.5e-3,1e-3,rise,1,1.1 mm/s\n", 'velocity = "1.1 mm/s": allowed'),
     ("command", f"{SWEEP} --plot a.png", "--plot: allowed with one --vary of numbers"),
     ("--vary", "drive.mode=IPP,OPP --plot a.png", "--plot: allowed with one --vary of numbers"),
     ("command", (f"{SWEEP} --out a.nc --resume", {"a.nc": "other"}), "cannot be resumed"),
@@ -213,9 +204,7 @@ REFUSALS = [
     ("log", f"{JOINT} --set inertai=1", ["no inertai", 'did you mean "inertia"?']),
     ("log", f"{JOINT} --set reads=position", ['reads = "position"', "speed or angle"]),
     ("log", "--model thermal --set reads=temp", "thermal: there is no reads; known are capacity"),
-    ("log", f"{JOINT} --next 1", "--next: allowed without --model only"),
-    ("log", "--next 1 --against log.csv", "--next: allowed without --against only"),
-    ("log", "--plan 12 --against log.csv", "--against: allowed without --plan only"),
+    ("log", f"{JOINT} --threads 1", "--threads: allowed without --model only"),
     ("log", "--against log.csv --against log.csv", "log.csv: allowed with --model only"),
     ("log", "--set inertia=1", "--set: allowed with --model only"),
     ("log", "log.csv", "log.csv: allowed with --model only"),

@@ -7,7 +7,6 @@ import numpy as np
 import pandas as pd
 
 import made_findings as made
-from asking_results import asking, measurement
 from made_velocities import drives
 from made_velocities import measurement as measured
 from stickslip import (
@@ -19,18 +18,17 @@ from stickslip import (
     Series,
     Table,
     diagnose,
-    diagnose_in_rounds,
     diagnose_model,
     events,
     free_law,
     instruments,
+    propose_experiments,
 )
 from stickslip.diagnosis.data.series import with_repeats
 from stickslip.diagnosis.model import Values, posed
 from stickslip.diagnosis.terms.laws import Curves, beside_constants
-from stickslip.walker.experiments import drive_settings
-from stickslip.walker.next_table import TABLE, with_measured
 from stickslip.walker.problem import posed_by
+from stickslip.walker.velocity import drive_settings
 from toys import LEVEL, SLOPE, WAVE, line
 from toys import data as table_of
 
@@ -164,44 +162,9 @@ DRIVES = [
 ]  # fmt: skip
 
 
-def in_rounds(folder, measure=lambda _: 1e-3, **more):
-    """Rounds whose first diagnosis is given: a measurement that asks for experiments."""
-    return diagnose_in_rounds(data(), measure, **more)
-
-
 @functools.cache
 def data():
     return measured(drives().assign(velocity=1e-3))
-
-
-ROUNDS = [
-    ({"measure": 3.0}, "measure = 3.0: allowed is a function of a drive"),
-    ({"budget": -1}, f"budget = -1: {FROM_0}"),
-    ({"at_once": 0}, "at_once = 0: allowed is a whole number from 1"),
-]
-
-COLUMNS = "mode,direction,frequency,peak,hold,edge,trial,velocity"
-NEXT = [
-    (f"{COLUMNS}\nIPP,-x,50,2.5e-3,1e-3,rise,1,1.1 mm/s\n",
-     'next.csv: line 2, column velocity = "1.1 mm/s": allowed is the number alone'),
-    (f"{COLUMNS}\nIPP,-x,fast,2.5e-3,1e-3,rise,1,1e-3\n",
-     'next.csv line 2: frequency "fast" is not'),
-    (f"{COLUMNS}\nIPP,z,50,2.5e-3,1e-3,rise,1,1e-3\n",
-     'next.csv line 2: drive.direction = "z": allowed'),
-    ("frequency,velocity\n50,1e-3\n", 'column "mode" is missing'),
-]  # fmt: skip
-
-
-def next_table(folder, text):
-    (folder / TABLE).write_text(text)
-    return with_measured(measurement(), folder, 1, 3)
-
-
-def of_another(folder):
-    """A table that belongs to the report of another measurement."""
-    with_measured(measurement(), folder, 2, 3)[1].write(asking(measurement()))
-    (folder / "report.json").write_text('{"name": "glass"}')
-    return with_measured(measurement(), folder, 1, 3)
 
 
 toy = functools.cache(lambda: made.toy(made.TRUTH))
@@ -212,12 +175,33 @@ ASKED = [
     (lambda: diagnose_model(line, table_of(), [SLOPE, LEVEL], [WAVE])
      .predict({"x": [1.0, 2.0], "z": 1.0}), ["settings z", "2 rows"]),
     (lambda: toy().propose_experiments(), ["model of one's own", "separate"]),
-    (lambda: toy().trial_table([]), ["trial_table", "a measurement", "model of one's own"]),
+    (lambda: propose_experiments(toy()), ["model of one's own", "separate"]),
+    (lambda: propose_experiments(toy(), noise=0.1), "noise, trials, seed, threads: allowed for a"),
     (lambda: made.refused(toy()).predict([0.5]), "predict: the data allow no diagnosis"),
     (lambda: made.refused(toy()).candidate("none"), "candidate: the data allow no diagnosis"),
     (lambda: toy().save_report(5), "folder"),
     (lambda: toy().save_figures(5), "folder"),
 ]  # fmt: skip
+
+
+def proposed(folder, what=None, **more):
+    return propose_experiments(WALKER if what is None else what, **more)
+
+
+WALKER = Scenario().replace({"drive.pulses": 5})
+TURNING = WALKER.replace({"drive.heading": 0.5})
+KINETIC = "contact.kinetic_friction"
+PROPOSED = [
+    ({"what": "s.toml"}, 'what = "s.toml": allowed is a Scenario or a Diagnosis'),
+    ({"count": 0}, "count = 0: allowed is a whole number from 1"),
+    ({"noise": 0.0}, "noise = 0.0: allowed is a number above 0 and below 1"),
+    ({"noise": 5}, "noise = 5: allowed is"),
+    ({"trials": 0}, "trials = 0: allowed is a whole number from 1"),
+    ({"seed": -1}, f"seed = -1: {FROM_0}"),
+    ({"what": TURNING}, ["drive.heading = 0.5", "walk along x"]),
+    ({"what": WALKER.replace({"robot.magnetization": 0.0})}, "stands still"),
+    ({"what": WALKER.with_uncertain({KINETIC: {"mean": 0.15, "sd": 9.0}})}, "cannot be simulated"),
+]
 
 MEASUREMENT = "allowed is a Measureme"
 ENTRY = [
@@ -225,6 +209,12 @@ ENTRY = [
       for given in ("m.toml", None, np.zeros(3))),
     (lambda: diagnose(data(), seed=-1), ScenarioError, f"seed = -1: {FROM_0}"),
     (lambda: diagnose(data(), threads=0), ValueError, "threads"),
+    *((lambda row=row: data().with_velocities(pd.DataFrame([row])), ScenarioError, words)
+      for row, words in (
+          ({"frequency": 50.0, "velocity": "1.1 mm/s"}, 'velocity = "1.1 mm/s": allowed is'),
+          ({"frequency": "fast", "velocity": 1e-3}, 'frequency "fast" is not'),
+          ({"direction": "z", "velocity": 1e-3}, 'drive.direction = "z": allowed'),
+      )),
     (lambda: posed_by(measured(drives().assign(velocity=1e-3, heading=0.5))), ScenarioError,
      ["drive.heading = 0.5", "walk along x"]),
 ]  # fmt: skip
@@ -237,11 +227,8 @@ REFUSALS = [
       for number, (given, words) in enumerate(OWN)),
     *((f"drives {number}", lambda _, bad=bad: drive_settings(bad, Scenario()), ScenarioError, words)
       for number, (bad, words) in enumerate(DRIVES)),
-    *((f"rounds {number}", functools.partial(in_rounds, **given), ScenarioError, words)
-      for number, (given, words) in enumerate(ROUNDS)),
-    *((f"next.csv {number}", functools.partial(next_table, text=text), ScenarioError, words)
-      for number, (text, words) in enumerate(NEXT)),
-    ("next.csv of another", of_another, ScenarioError, 'is of another measurement, "glass"'),
+    *((f"propose {number}", functools.partial(proposed, **given), ScenarioError, words)
+      for number, (given, words) in enumerate(PROPOSED)),
     *((f"measurement {number}", lambda _, call=call: call(), kind, words)
       for number, (call, kind, words) in enumerate(ENTRY)),
 ]  # fmt: skip

@@ -96,11 +96,6 @@ class Column:
         sound = not math.isnan(self.values[row])
         return f"{self.values[row] * self.what.per:.15g}" if sound else self.odd.get(row, "")
 
-    def written(self, row: int) -> str:
-        """A cell as it is written again, in SI with all its digits."""
-        sound = self.what.si is not None and not math.isnan(self.values[row])
-        return repr(float(self.values[row])) if sound else self.cell(row)
-
     def kept(self, rows: Sequence[int]) -> Column:
         """The column of some rows."""
         if self.what.si is None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -102,11 +102,6 @@ class Recipe:
         """The recipe of columns by name and SI unit."""
         entries = {name: Entry(unit, (), name in required) for name, unit in units.items()}
         return Recipe(entries, **more)
-
-    def requiring(self, names: Collection[str]) -> Recipe:
-        """The same with more columns that have to be there."""
-        needed = {name: self.entries[name]._replace(required=True) for name in names}
-        return replace(self, entries={**self.entries, **needed})
 
     @property
     def names(self) -> dict[str, str]:

@@ -15,12 +15,9 @@ from stickslip.cli.options import FOLDER, JSON, PATH, SEED, THREADS, pairs, stat
 from stickslip.cli.output import print_json, progress_bar, say, write_new
 from stickslip.diagnosis.report.files import FILES as REPORT
 from stickslip.diagnosis.result import Diagnosis
-from stickslip.errors import ScenarioError, prefixed
+from stickslip.errors import prefixed
 from stickslip.walker.first_lines import TableGiven
-from stickslip.walker.next_table import TABLES, with_measured
-from stickslip.walker.planning import FILES, NOISE, plan
 from stickslip.walker.problem import report_files
-from stickslip.walker.rounds import BUDGET
 
 # Lines about left-out data that are printed before the work; the report has all.
 _SAID_FIRST = 3
@@ -30,9 +27,6 @@ _SAID_FIRST = 3
     "diagnose",
     help="""Find what in a MEASUREMENT (a TOML file), or in LOGs (CSV), a model does not explain.
 
-    With --plan the file is a scenario, of which nothing was measured yet: the drives that would
-    tell most causes apart, as a table to fill in, a measurement that names it, and a page on how.
-
     A log has columns of time, of a reading and of inputs, and --model names its model. Of a table
     of data without --model it prints the lines of the measurement that fit its columns.
 
@@ -41,8 +35,6 @@ _SAID_FIRST = 3
     """,
     epilog="\b\nExample:\n"
     "  stickslip diagnose measurement.toml --out found\n"
-    "  stickslip diagnose measurement.toml --out found --next 1\n"
-    "  stickslip diagnose --plan 12 scenario.toml --out plan\n"
     "  stickslip diagnose log.csv --model joint --set inertia=0.1,0.002 --set viscous=0.2,0.05\n"
     "  stickslip diagnose after.csv --against before.csv --model joint --set inertia=0.1,0.002",
 )
@@ -74,33 +66,7 @@ _SAID_FIRST = 3
     "--out",
     type=FOLDER,
     help="Folder for report.html, report.json and extended.toml, or with --against before.toml "
-    "and after.toml, with their voltages and maps, if any.  [default: diagnosis; with --json and "
-    "without --next none]",
-)
-@click.option(
-    "--next",
-    "most",
-    type=click.IntRange(1),
-    metavar="N",
-    help="If the verdict is not certain, write up to N drives to measure into next.csv in the "
-    "folder of --out. The next call reads the velocities that were filled in there.",
-)
-@click.option(
-    "--budget",
-    type=click.IntRange(1),
-    help=f"With --next: experiments that may be measured in all.  [default: {BUDGET}]",
-)
-@click.option(
-    "--plan",
-    "planned",
-    type=click.IntRange(2),
-    metavar="N",
-    help="Of a scenario: write a plan of N drives, each measured three times, into --out.",
-)
-@click.option(
-    "--noise",
-    type=click.FloatRange(0.0, 1.0, min_open=True, max_open=True),
-    help=f"With --plan: relative standard deviation of one trial.  [default: {NOISE:g}]",
+    "and after.toml, with their voltages and maps, if any.  [default: diagnosis; with --json none]",
 )
 @click.option(
     "--write",
@@ -119,35 +85,16 @@ def command(
     as_json: bool,
     seed: int,
     threads: int | None,
-    most: int | None,
-    budget: int | None,
-    planned: int | None,
-    noise: float | None,
     write: bool,
 ) -> None:
-    if planned is not None:
-        others: dict[str, Any] = {"--model": model, "--set": set, "--next": most}
-        others |= {"--budget": budget, "--write": write, "--json": as_json, "--against": against}
-        for option, value in others.items():
-            if value:
-                raise click.UsageError(f"{option}: allowed without --plan only")
-        _plan(files, planned, NOISE if noise is None else noise, out or Path("plan"), seed, threads)
-        return
-    if noise is not None:
-        raise click.UsageError("--noise: allowed with --plan only")
-    if budget is not None and most is None:
-        raise click.UsageError("--budget: allowed with --next only")
     if model is not None:
-        others = {"--next": most, "--threads": threads, "--write": write or None}
-        for option, value in others.items():
+        for option, value in {"--threads": threads, "--write": write or None}.items():
             if value is not None:
                 raise click.UsageError(f"{option}: allowed without --model only")
         _diagnose_logs(files, against, model, set, out, as_json, seed)
         return
     measurement, *more = files
     more += against[1:]
-    if against and most is not None:
-        raise click.UsageError("--next: allowed without --against only")
     if more or set:
         raise click.UsageError(f"{more[0] if more else '--set'}: allowed with --model only")
     try:
@@ -168,55 +115,24 @@ def command(
         say(f"stickslip: {row}", err=True)
     if len(left_out) > _SAID_FIRST:
         say("stickslip: and more, which the report lists", err=True)
-    if out is None and (most is not None or not as_json):
+    if out is None and not as_json:
         out = Path("diagnosis")
-    rounds = None
     written = report_files(*(each.scenario for each in sides))
     if out is not None:
         with prefixed("--out", OSError):
-            check_folder(out, written if most is None else [*written, *TABLES])
-        if most is not None:
-            data, rounds = with_measured(data, out, most, BUDGET if budget is None else budget)
-        elif (out / TABLES[0]).exists():
-            say(f"stickslip: {out / TABLES[0]} is not read, as --next is not given", err=True)
+            check_folder(out, written)
     with progress_bar() as bar:
         result = stickslip.diagnose(data, against=earlier, seed=seed, threads=threads, progress=bar)
         if earlier is None:
             bar(1.0, "next experiment")
             result.propose_experiments()
-    next_ = {} if rounds is None else {"next": rounds.as_dict(result)}
     try:
-        _print(result, as_json, next_, rounds.lines(result) if rounds else [])
+        _print(result, as_json)
     finally:  # a reader that closes the pipe loses no file
         if out is not None:
             result.save_report(out)
-            if rounds is not None:
-                rounds.write(result)
     if out is not None and not as_json:
         say(f"  in {out}: {', '.join(written)}")
-
-
-def _plan(
-    files: Sequence[Path], count: int, noise: float, out: Path, seed: int, threads: int | None
-) -> None:
-    if len(files) > 1:
-        raise click.UsageError(f"{files[1]}: allowed with --plan is one scenario")
-    scenario = stickslip.load(files[0])
-    with prefixed("--out", OSError):
-        check_folder(out, FILES)
-    if any((out / name).exists() for name in FILES):
-        raise ScenarioError(f"--out: {out} holds a plan or a measurement: choose another folder")
-    made = plan(scenario, count, noise=noise, seed=seed, threads=threads)
-    if scenario.uncertain is None:
-        say(
-            "stickslip: note: nothing is uncertain in the scenario, so that its constants count as "
-            "exact; state what you know of them in [uncertain]",
-            err=True,
-        )
-    say(f"{int(made.seen.sum())} of {len(made.causes)} causes would be seen at their usual sizes")
-    say(f"{len(made.alike)} pairs of these would not be told apart")
-    made.save(out)
-    say(f"in {out}: {', '.join(FILES)}; fill in the velocities, as protocol.md says")
 
 
 def _diagnose_logs(
@@ -263,12 +179,10 @@ def _diagnose_logs(
         say(f"  in {out}: {', '.join(REPORT)}")
 
 
-def _print(
-    result: Diagnosis, as_json: bool, more: Mapping[str, Any] = {}, lines: Sequence[str] = ()
-) -> None:
+def _print(result: Diagnosis, as_json: bool) -> None:
     """Print what was found. That comes before files, as a disk may be full."""
     if as_json:
-        print_json({**result.as_dict(), **more})
+        print_json(result.as_dict())
     else:
-        for line in [*result.summary().splitlines(), *lines]:
+        for line in result.summary().splitlines():
             say(line)

@@ -1,34 +1,29 @@
-"""Drives that would tell the candidates of a diagnosis apart, and tables of them."""
+"""Drives to measure: those that separate causes before there are data, and models after."""
 
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from dataclasses import replace
+from typing import cast
 
 import numpy as np
-from pandas import DataFrame
+import pandas as pd
+from scipy.special import logsumexp
 
-from stickslip._util.arrays import Array, are_equal
-from stickslip._util.columns import Line, index_labels
-from stickslip._util.messages import shown
-from stickslip._util.note import Note
-from stickslip.diagnosis.decision.experiments import (
-    DECISIVE,
-    PROPOSED,
-    TRIALS,
-    Experiment,
-    expected_chi2,
-)
-from stickslip.diagnosis.terms.cause import CauseNote
-from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.keys import Value, find_key, in_allowed_case
+from stickslip._util.arrays import Array, worker_count
+from stickslip._util.messages import check_whole, refuse
+from stickslip._util.text import is_number
+from stickslip.diagnosis.decision import experiments as design
+from stickslip.diagnosis.decision.experiments import TRIALS, Experiment
+from stickslip.diagnosis.fitting.problem import Problem
+from stickslip.diagnosis.result import Diagnosis
+from stickslip.diagnosis.terms.words import Words
+from stickslip.errors import ScenarioError
+from stickslip.scenario.keys import Value
 from stickslip.scenario.scenario import Scenario
-from stickslip.walker.library import known
-from stickslip.walker.read_velocity import NOT_SETTINGS, with_index_columns
 from stickslip.walker.reading import Measurement
-from stickslip.walker.velocity import settings_of
+from stickslip.walker.velocity import VelocityTable, settings_of
 
 Drive = Mapping[str, Value]
 """Settings of ``[drive]`` by dotted key."""
@@ -44,102 +39,211 @@ CHOICES: dict[str, tuple[Value, ...]] = {
 """Settings that proposals vary: words as they are, numbers as multiples of the middle of what was
 measured. Chosen."""
 
-_ROUNDING = 0.005  # part of a number by which three digits may change it
+_KIND = "drive.mode", "drive.direction", "drive.frequency"  # in one of which chosen drives differ
+_NOTHING = 1e-6  # chi-square that is no more than rounding; chosen
+_NOISE = 0.05  # of one trial, relative; as in the measured tables
+# Before data. Chosen: the mean is of nine pulses; noise falls no more below half the median speed;
+# draws reach as far as data leave the constants; an error that surprises; a cause of any size.
+_PULSES, _FLOOR, _DRAWS, _WIDTH, _OFF, _FREE = 12, 0.5, 24, 0.3, 3.0, 3.0
+_ENOUGH = 0.5  # share of drives, and of draws, that has to be simulated; chosen
+
+
+def propose_experiments(
+    what: Scenario | Diagnosis, count: int = design.PROPOSED, *, noise: float = _NOISE,
+    trials: int = TRIALS, seed: int = 0, threads: int | None = None,
+) -> pd.DataFrame:  # fmt: skip
+    """Propose the drives whose velocities separate causes best.
+
+    After a diagnosis: its leading models. Before data: all causes of a scenario at their usual
+    sizes, to first order; no size of another may imitate one while the uncertain constants move
+    within their priors. Each row is the best beside those before it.
+
+    Parameters
+    ----------
+    what : Diagnosis or Scenario
+        Of a measurement with velocities; or with a drive near which the robot can be driven.
+    count : int
+        Drives at most, from 1. Each differs from all others in mode, direction or frequency.
+    noise, trials, seed, threads : float, int, int, int
+        Of a scenario: relative standard deviation of one trial, trials of each drive, seed of the
+        draws of its constants, and simulations at a time.
+
+    Returns
+    -------
+    DataFrame
+        A row for each drive: settings; `why`; `separation` of two causes beyond that of the rows
+        before it, in standard errors; and of each model, or the ``stated`` one, the velocity
+        ``expected_NAME`` and its ``sd_NAME`` without the noise of a trial, m/s. With a column
+        `velocity` `Measurement.with_velocities` takes it. Of a scenario ``attrs["alike"]`` are the
+        pairs of causes that all rows leave within two standard errors.
+
+    Raises
+    ------
+    ScenarioError
+        If an argument is not allowed, or the robot of a scenario cannot be driven so along x.
+    """
+    check_whole("count", count, 1)
+    if isinstance(what, Diagnosis):
+        if (noise, trials, seed, threads) != (_NOISE, TRIALS, 0, None):
+            text = "allowed for a Scenario; a Diagnosis has those of its data"
+            raise ScenarioError(f"noise, trials, seed, threads: {text}")
+        found = what.propose_experiments(count)
+        return _table(found, what.words, cast(Measurement, what.measurement).scenario)
+    if not isinstance(what, Scenario):
+        refuse("what", what, "a Scenario or a Diagnosis")
+    check_whole("trials", trials, 1)
+    check_whole("seed", seed)
+    if not (is_number(noise) and 0.0 < noise < 1.0):
+        refuse("noise", noise, "a number above 0 and below 1")
+    if what.drive.kind != "sawtooth":
+        refuse("drive.mode", what.drive.mode, "IPP or OPP, whose settings vary")
+    short = what.replace({"drive.pulses": min(what.drive.pulses, _PULSES)})
+    problem, drives = _posed(short, noise, worker_count(threads, "threads"))
+    names, sound, level, covariance, rough = _first_order(problem, drives, seed)
+    speed, pairs = np.abs(level[0]), [*itertools.combinations(range(1, len(names)), 2)]
+    variance = (noise * np.maximum(speed, _FLOOR * np.median(speed))) ** 2 / trials + rough
+    found, chi2 = choose(sound, names, (level, covariance, variance), pairs, count, trials)
+    found = [replace(each, predictions={"stated": each.predictions["stated"]}) for each in found]
+    table = _table(found, Words(problem.words, problem.causes), short)
+    alike = itertools.compress(pairs, chi2 <= design.DECISIVE)
+    table.attrs["alike"] = [(names[first], names[second]) for first, second in alike]
+    return table
+
+
+def _posed(scenario: Scenario, noise: float, threads: int) -> tuple[Problem, VelocityTable]:
+    """The problem of velocities that nobody has read yet, and all drives to choose from."""
+    from stickslip.walker.problem import posed_by  # which imports this module
+
+    fastest = 1e-3
+    for _ in range(2):  # usual errors of an instrument follow the fastest reading
+        reading = pd.DataFrame({"velocity": [fastest]})
+        data = Measurement.from_dataframe(reading, scenario, velocity_sd=noise)
+        problem = posed_by(data, threads)
+        table = cast(VelocityTable, problem.tables[0])
+        table = table.at_drives([*table.conditions, *proposals(table.conditions)])
+        fastest = float(np.max(np.abs(np.nan_to_num(table.physics([], np.zeros((1, 0)))))))
+    return problem, table
+
+
+def _first_order(
+    problem: Problem, table: VelocityTable, seed: int
+) -> tuple[list[str], Sequence[Drive], Array, Array, Array]:
+    """Names of the candidates, the stated model first, drives, levels, covariances, roughness.
+
+    The roughness is the mean squared distance of velocities from a plane over the constants. Left
+    out are drives that cannot be simulated with all, and causes that cannot be at most.
+    """
+    count = len(problem.constants)
+    points = np.zeros((_DRAWS + 3 * count + len(problem.causes), problem.size))
+    draws, usual = np.split(points, [_DRAWS + 3 * count])
+    random = np.random.default_rng(seed)
+    draws[1:, :count] = _WIDTH * random.standard_normal((len(draws) - 1, count))
+    for row, cause in zip(usual, problem.causes, strict=True):
+        own = [one.name for one in cause.parameters if one.is_amplitude]
+        row[np.isin(problem.names, own)] = 1.0
+    values = problem.physical(np.clip(points, *problem.limits))
+    made, moved = np.split(table.predict(problem.names, values), [len(draws)])
+    possible = np.mean(np.isfinite(made), axis=1) >= _ENOUGH
+    level, made = made[0], made[possible]
+    plane = np.hstack([np.ones((len(made), 1)), draws[possible, :count]])
+    fit = np.linalg.lstsq(plane, np.nan_to_num(made), rcond=None)[0]
+    rough = np.sum((made - plane @ fit) ** 2, axis=0) / max(len(plane) - count - 1, 1)
+    # A constant as a cause is as large as its prior does not allow.
+    moves = np.array([moved[k] - level if cause.frees is None else _OFF * fit[1 + problem.at(cause)]
+                      for k, cause in enumerate(problem.causes)])  # fmt: skip
+    kept = np.mean(np.isfinite(moves), axis=1) >= _ENOUGH
+    names = ["stated", *(cause.name for cause in itertools.compress(problem.causes, kept))]
+    moves = np.vstack([np.zeros_like(level), moves[kept]])
+    sound = np.flatnonzero(np.isfinite([*moves, level, rough]).all(axis=0))
+    if np.mean(possible) < _ENOUGH or not np.any(level[sound]):
+        raise ScenarioError(
+            "the stated scenario stands still, or cannot be simulated, at most of the proposed "
+            "drives with constants within a third of their stated errors"
+        )
+    moves, slopes = moves[:, sound], fit[1:, sound]
+    sizes = _FREE * moves
+    covariance = slopes.T @ slopes + sizes[:, :, None] * sizes[:, None, :]
+    drives = [table.conditions[k] for k in sound]
+    return names, drives, level[sound] + moves, covariance, rough[sound]
+
+
+def _table(experiments: Sequence[Experiment], words: Words, scenario: Scenario) -> pd.DataFrame:
+    """Settings that proposals vary, or that are not the scenario's, and the rest of a row."""
+    rows = []
+    for each in experiments:
+        row = {
+            name: value for name, value in each.drive.items()
+            if f"drive.{name}" in CHOICES or value != scenario.get(f"drive.{name}")
+        }  # fmt: skip
+        row |= {"why": words.note(each.why), "separation": each.separation**0.5}
+        for name, predicted in each.predictions.items():
+            row |= {f"expected_{name}": predicted["velocity"], f"sd_{name}": predicted["sd"]}
+        rows.append(row)
+    return pd.DataFrame(rows)
 
 
 def proposals(conditions: Sequence[Drive]) -> list[dict[str, Value]]:
-    """Variations of the measured drives, none of which was measured; none without any."""
-    if not conditions:
-        return []
-
-    def middle(drives: Sequence[Drive], key: str) -> float:
-        return float(np.median([float(drive[key]) for drive in drives]))
-
-    by_mode: dict[Value, dict[str, Value]] = {}
-    for mode in CHOICES["drive.mode"]:
-        # A mode that was not measured has what the others had.
-        mine = [drive for drive in conditions if drive["drive.mode"] == mode] or conditions
-        by_mode[mode] = {**mine[0], **{k: middle(mine, k) for k in ("drive.base", "drive.hold")}}
-    frequency, peak = middle(conditions, "drive.frequency"), middle(conditions, "drive.peak")
+    """Vary the measured drives; propose none that was measured, and none without any."""
+    measured = {tuple(_rounded(drive[key]) for key in CHOICES) for drive in conditions}
     drives: dict[tuple[Value, ...], dict[str, Value]] = {}
-    for mode, direction, pace, field, clamp, edge in itertools.product(*CHOICES.values()):
-        drive = by_mode[mode]
-        drive = {
-            **drive,
-            "drive.mode": mode,
-            "drive.direction": direction,
-            "drive.edge": edge,
-            "drive.frequency": _rounded(frequency * float(pace)),
-            "drive.peak": max(_rounded(peak * float(field)), float(drive["drive.base"])),
-            "drive.hold": _rounded(float(drive["drive.hold"]) * float(clamp)),
-        }
-        if not any(_alike(drive, other) for other in conditions):
-            drives[tuple(drive[key] for key in CHOICES)] = drive
-    return list(drives.values())
+
+    def scaled(key: str, factor: Value, among: Sequence[Drive] = conditions) -> Value:
+        return _rounded(float(factor) * float(np.median([drive[key] for drive in among])))
+
+    for choice in itertools.product(*CHOICES.values()) if conditions else ():
+        new: dict[str, Value] = dict(zip(CHOICES, choice, strict=True))
+        # A mode that was not measured has what the others had.
+        mine = [one for one in conditions if one["drive.mode"] == new["drive.mode"]] or conditions
+        base = float(np.median([drive["drive.base"] for drive in mine]))
+        new["drive.frequency"] = scaled("drive.frequency", new["drive.frequency"])
+        new["drive.peak"] = max(scaled("drive.peak", new["drive.peak"]), base)
+        new["drive.hold"] = scaled("drive.hold", new["drive.hold"], mine)
+        drives[tuple(new.values())] = {**mine[0], "drive.base": base, **new}
+    return [drive for values, drive in drives.items() if values not in measured]
 
 
-def _rounded(value: float) -> float:
-    """A setting to three digits, as a person would state it."""
-    return float(f"{value:.3g}")
-
-
-def _alike(one: Drive, other: Drive) -> bool:
-    """Whether two drives are the same but for rounding."""
-    return all(
-        are_equal(value, float(other[key]), _ROUNDING)
-        if isinstance(value, float)
-        else value == other[key]
-        for key, value in one.items()
-    )
+def _rounded(value: Value) -> Value:
+    """A number to three digits, as a person would state it."""
+    return float(f"{value:.3g}") if isinstance(value, float) else value
 
 
 def choose(
-    drives: Sequence[Drive],
-    names: Sequence[str],
-    level: Array,
-    covariance: Array,
-    noise_variance: Array,
-    *,
-    count: int = PROPOSED,
-    pairs: Sequence[tuple[int, int]] | None = None,
-) -> list[Experiment]:
-    """The drives that tell the candidates apart best together, each of another kind.
+    drives: Sequence[Drive], names: Sequence[str], predicted: tuple[Array, Array, Array],
+    pairs: Sequence[tuple[int, int]], count: int, trials: int = TRIALS,
+) -> tuple[list[Experiment], Array]:  # fmt: skip
+    """Choose the drives that leave the least odds of taking one candidate for another.
 
-    Of a drive and its mirror image one is enough. `drives` are those of `proposals`; `names` are of
-    the candidates, as they are said. The arrays are of velocities, m/s, as for `expected_chi2`.
-    `count` is the most experiments. Without `pairs` all candidates are told apart from all.
+    The odds of a pair are exp(-chi2 / 2), of its mean log-evidence; those of all `pairs` are added.
+    Each drive is the best beside those before it, of another kind, and the mirror image of none.
+    `names` are those of the candidates, `predicted` the arrays of `expected_chi2`, in m/s. Return
+    the chi2 of each pair by all drives, too.
     """
-    pairs = list(itertools.combinations(range(len(names)), 2)) if pairs is None else list(pairs)
+    reached, chosen, experiments = np.zeros(len(pairs)), list[int](), list[Experiment]()
     if not pairs or not drives:
-        return []
-    kinds = [[d[f"drive.{key}"] for key in ("mode", "direction", "frequency")] for d in drives]
-    together = expected_chi2(level, covariance, noise_variance, pairs)
-    reached = np.zeros((len(pairs), 1))
+        return experiments, reached
+    (level, covariance, _), (first, second) = predicted, np.transpose(pairs)
+    kinds = np.array([str([drive[key] for key in _KIND]) for drive in drives])
     left = np.ones(len(drives), dtype=bool)
-    taken: list[int] = []
-    chosen = []
-    while len(taken) < count:
-        # First those that are not told apart by what is chosen already.
-        undecided = reached <= DECISIVE if np.any(reached <= DECISIVE) else reached >= 0.0
-        gains = np.where(undecided & left, together - reached, 0.0)
-        pair, best = map(int, np.unravel_index(np.argmax(gains), gains.shape))
-        if not gains[pair, best] > 0.0:
+    while len(chosen) < count and np.any(left):
+        chi2 = design.expected_chi2(*predicted, chosen)[first, second]
+        k = int(np.argmin(np.where(left, logsumexp(-0.5 * chi2, axis=0), np.inf)))
+        alike = reached <= design.DECISIVE  # these first
+        gains = np.where(alike | ~np.any(alike), chi2[:, k] - reached, 0.0)
+        best, sd = int(np.argmax(gains)), np.sqrt(covariance[:, k, k])
+        two, gain = (names[first[best]], names[second[best]]), float(gains[best])
+        if not gain > _NOTHING:
             break
-        first, second = (names[k] for k in pairs[pair])
-        predictions = {
-            name: {"velocity": float(v), "sd": math.sqrt(float(s))}
-            for name, v, s in zip(names, level[:, best], covariance[:, best, best], strict=True)
-        }
-        settings = {key.removeprefix("drive."): value for key, value in drives[best].items()}
-        chi2 = float(gains[pair, best])
-        why = _why(first, second, chi2, bool(taken))
-        chosen.append(Experiment(settings, drive_in_words(drives[best]), why, chi2, predictions))
-        mirrored = np.all(np.isclose(level, -level[:, [best]], rtol=1e-6, atol=0.0), axis=0)
-        left &= ~mirrored & [kind != kinds[best] for kind in kinds]
-        taken.append(best)
-        reached = together[:, [best]]
-        together = expected_chi2(level, covariance, noise_variance, pairs, taken)
-    return chosen
+        experiments.append(Experiment(
+            {key.removeprefix("drive."): value for key, value in drives[k].items()},
+            drive_in_words(drives[k]),
+            design.separates(*two, gain, trials, bool(chosen)), gain,
+            {name: {"velocity": float(level[c, k]), "sd": float(sd[c])}
+             for c, name in enumerate(names)},
+        ))  # fmt: skip
+        mirrored = np.all(np.isclose(level, -level[:, [k]], rtol=1e-6, atol=0.0), axis=0)
+        left &= ~mirrored & (kinds != kinds[k])
+        chosen, reached = [*chosen, k], chi2[:, k]
+    return experiments, reached
 
 
 def drive_in_words(drive: Drive) -> str:
@@ -147,122 +251,3 @@ def drive_in_words(drive: Drive) -> str:
     settings = settings_of([drive])
     words = [settings.text(key.removeprefix("drive."), drive[key]) for key in CHOICES]
     return ", ".join(words).replace("edge ", "sudden edge: ")
-
-
-def _why(first: str, second: str, chi2: float, is_later: bool) -> Note:
-    decides = chi2 > DECISIVE
-    little, needed = ("", "would be enough") if decides else (" too little", "would be needed")
-    apart, beside = math.sqrt(chi2), ", beside the drives before it" if is_later else ""
-    text = (
-        f"It separates {{}} from {{}}{little}: with {TRIALS} trials their predictions lie "
-        f"{apart:.1f} standard errors apart{beside}; {math.sqrt(DECISIVE):g} {needed}."
-    )
-    code = "separates" if decides else "separates-too-little"
-    return CauseNote(code, text, (first, second), apart)
-
-
-def advice(names: Mapping[str, str], experiments: Sequence[Experiment]) -> list[Note]:
-    """Advice beside the drive, and whether no drive tells the candidates apart.
-
-    `names` are the causes of a set: how each is said, by its name.
-    """
-    notes = []
-    if experiments and not any(experiment.decides for experiment in experiments):
-        text = f"No drive that was tried tells the candidates apart with {TRIALS} trials."
-        notes.append(Note("none-separates", text))
-    rows = known()["causes"]
-    shown_by = {name: rows.get(name, {}).get("shown_by") for name in names}
-    for look, text in known()["looks"].items():
-        seen = [word for name, word in names.items() if shown_by[name] == look]
-        if 0 < len(seen) < len(names):
-            notes.append(Note(f"look-at-{look}", f"{text}. This shows {' and '.join(seen)} alone."))
-    return notes
-
-
-# ---------------------------------------------------------------- tables of drives
-def changed_settings(measurement: Measurement) -> set[str]:
-    """Dotted keys in which a measured drive differs from the scenario."""
-    return {
-        key
-        for data in measurement.velocity
-        for drive in data.conditions
-        for key, value in drive.items()
-        if value != measurement.scenario.get(key)
-    }
-
-
-def setting_columns(measurement: Measurement) -> list[str]:
-    """Bare names of the settings of a table of drives to measure next.
-
-    Those that proposals vary, and those in which a measured drive differs from the scenario. What
-    is proposed after further trials has the same ones.
-    """
-    changed = changed_settings(measurement).difference(CHOICES)
-    return [key.removeprefix("drive.") for key in [*CHOICES, *sorted(changed)]]
-
-
-def trial_table(
-    measurement: Measurement, experiments: Sequence[Experiment], trials: int
-) -> DataFrame:
-    """A row for each trial of each experiment, with an empty column `velocity`.
-
-    With a block that no earlier trial has, and an empty `order`, where the measured ones have such.
-    """
-    columns, tables = setting_columns(measurement), measurement.velocity
-    beside: dict[str, Any] = {}
-    if any(np.any(table.block >= 0) for table in tables):
-        # All rounds may stand in one table; the number of conditions grows with each.
-        beside["block"] = f"after-{sum(len(table.conditions) for table in tables)}"
-    if any(np.any(np.isfinite(table.order)) for table in tables):
-        beside["order"] = math.nan
-    rows = [
-        {**{name: experiment.drive[name] for name in columns}, "trial": trial, **beside}
-        for experiment in experiments
-        for trial in range(1, trials + 1)
-    ]
-    table = DataFrame(rows, columns=[*columns, "trial", *beside])
-    return table.assign(velocity=math.nan)
-
-
-def prediction_table(measurement: Measurement, experiments: Sequence[Experiment]) -> DataFrame:
-    """Predictions of each experiment, counted from 1, by each candidate: `velocity`, `sd`, m/s."""
-    rows, columns = [], setting_columns(measurement)
-    for number, experiment in enumerate(experiments, start=1):
-        settings = {name: experiment.drive[name] for name in columns}
-        for candidate, predicted in experiment.predictions.items():
-            rows.append({"experiment": number, **settings, "candidate": candidate, **predicted})
-    return DataFrame(rows)
-
-
-def drive_settings(given: Any, scenario: Scenario) -> list[dict[str, Value]]:
-    """Drives that a person writes, by dotted key in SI units.
-
-    `given` is a DataFrame or a list of dicts; every row is a change of `scenario`. Names are dotted
-    keys or bare, such as ``frequency``; words are in any case. Columns of measured trials, such as
-    ``trial`` and ``velocity``, are passed over. A ScenarioError is raised, with the row (its index
-    label, or its number from 0), if a name is no key of ``[drive]`` or a value is not allowed.
-    """
-    labels: Sequence[Line] = range(len(given)) if isinstance(given, Sequence) else ()
-    rows = given
-    if isinstance(given, DataFrame):
-        table = with_index_columns(given)
-        labels, rows = index_labels(table), table.to_dict("records")
-    if not isinstance(rows, Sequence) or not all(isinstance(row, Mapping) for row in rows):
-        allowed = "allowed is a DataFrame or a list of dicts of settings"
-        raise ScenarioError(f"conditions = {shown(given)}: {allowed}")
-    if not rows:
-        raise ScenarioError("conditions: there is no row; allowed is one or more")
-    drives = []
-    for label, row in zip(labels, rows, strict=True):
-        drive: dict[str, Value] = {}
-        with prefixed(f"conditions: row {label}"):
-            for name, value in row.items():
-                if name not in (*NOT_SETTINGS, "standard_error", "velocity_sd"):
-                    key = find_key(f"drive.{str(name).removeprefix('drive.')}", value)
-                    # A column of a table has numpy's numbers.
-                    value = value.item() if hasattr(value, "item") else value
-                    is_word = isinstance(value, str)
-                    drive[key.name] = in_allowed_case(key, value.strip()) if is_word else value
-            scenario.replace(drive)
-        drives.append(drive)
-    return drives

@@ -16,7 +16,7 @@ from stickslip._util.arrays import Array
 from stickslip._util.note import Note
 from stickslip._util.toml import own_text
 from stickslip.diagnosis.change import SIDES, posed_change
-from stickslip.diagnosis.decision.experiments import Experiment
+from stickslip.diagnosis.decision.experiments import TRIALS, Experiment
 from stickslip.diagnosis.fitting.problem import Cached, Problem
 from stickslip.diagnosis.fitting.rivals import Rivals
 from stickslip.diagnosis.model import posed
@@ -31,15 +31,15 @@ from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.toml_file import files_of, scenario_writers
 from stickslip.scenario.uncertain import JointPrior, refuse_geometry_beside_a_map
 from stickslip.simulation.notes import peak_voltages
-from stickslip.walker import experiments
 from stickslip.walker.angle import AngleTable
+from stickslip.walker.experiments import choose, proposals
 from stickslip.walker.field import FieldTable
 from stickslip.walker.film import FilmTable
 from stickslip.walker.laws import find_spans, fixed_numbers, laws
 from stickslip.walker.library import known, library
 from stickslip.walker.reading import Measurement
 from stickslip.walker.simulated import SimulatedTable
-from stickslip.walker.velocity import VelocityTable
+from stickslip.walker.velocity import VelocityTable, drive_settings
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -188,7 +188,7 @@ class Drives(Rivals):
 
     def conditions(self, given: Any) -> tuple[VelocityTable, dict[str, list[Any]]]:
         scenario = self._measurement.scenario
-        drives = experiments.drive_settings(given, scenario)
+        drives = drive_settings(given, scenario)
         keys = dict.fromkeys(key for drive in drives for key in drive)
         columns = {key: [row.get(key, scenario.get(key)) for row in drives] for key in keys}
         return self._velocity.at_drives(drives), columns
@@ -196,26 +196,32 @@ class Drives(Rivals):
     def proposals(self) -> VelocityTable | None:
         if not any(len(data.conditions) for data in self._measurement.velocity):
             return None
-        return self._velocity.at_drives(experiments.proposals(self._velocity.conditions))
+        return self._velocity.at_drives(proposals(self._velocity.conditions))
 
     def chosen(
-        self, proposals: VelocityTable, names: Sequence[str], level: Array, covariance: Array,
-        noise_variance: Array, count: int, pairs: Sequence[tuple[int, int]],
+        self, proposals: VelocityTable, names: Sequence[str], predicted: tuple[Array, Array, Array],
+        pairs: Sequence[tuple[int, int]], count: int,
     ) -> list[Experiment]:  # fmt: skip
-        return experiments.choose(
-            proposals.conditions, names, level, covariance, noise_variance, count=count, pairs=pairs
-        )
+        return choose(proposals.conditions, names, predicted, pairs, count)[0]
 
     def unvaried(self) -> list[str]:
         drives = [drive for table in self._measurement.velocity for drive in table.conditions]
         keys = ("direction", "frequency", "mode", "peak")
         return [key for key in keys if len({drive[f"drive.{key}"] for drive in drives}) == 1]
 
-    def advice(self, names: Mapping[str, str], experiments_: Sequence[Experiment]) -> list[Note]:
-        return experiments.advice(names, experiments_)
-
-    def trial_table(self, experiments_: Sequence[Experiment], trials: int) -> DataFrame:
-        return experiments.trial_table(self._measurement, experiments_, trials)
+    def advice(self, names: Mapping[str, str], experiments: Sequence[Experiment]) -> list[Note]:
+        notes = []
+        if experiments and not any(experiment.decides for experiment in experiments):
+            text = f"No drive that was tried tells the candidates apart with {TRIALS} trials."
+            notes.append(Note("none-separates", text))
+        rows = known()["causes"]
+        shown_by = {name: rows.get(name, {}).get("shown_by") for name in names}
+        for look, text in known()["looks"].items():
+            seen = [word for name, word in names.items() if shown_by[name] == look]
+            if 0 < len(seen) < len(names):
+                text = f"{text}. This shows {' and '.join(seen)} alone."
+                notes.append(Note(f"look-at-{look}", text))
+        return notes
 
     def extended(self, values: Mapping[str, Any], covariance: DataFrame | None) -> Scenario:
         keys = known_keys()
@@ -265,9 +271,10 @@ def _comments(measurement: Measurement, told: str, first: str, extended: Scenari
         and extended.get(key) != measurement.scenario.get(key)
     ]
     drive = "[drive] is that of the scenario as it was given"
-    differs = [
-        key.removeprefix("drive.") for key in sorted(experiments.changed_settings(measurement))
-    ]
+    differs = sorted({
+        key.removeprefix("drive.") for data in measurement.velocity for drive in data.conditions
+        for key, value in drive.items() if value != measurement.scenario.get(key)
+    })  # fmt: skip
     if differs:
         drive += f"; the measurements set {', '.join(differs)}"
     return [*lines, *(changed or ["nothing is changed"]), drive]

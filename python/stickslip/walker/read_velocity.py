@@ -245,7 +245,8 @@ def read_new_trials(
     trials are among the `earlier` ones.
     """
     path = table.path
-    filled = sorted({*range(len(table))} - {*unmeasured(table)})
+    column = table.columns["velocity"]
+    filled = [k for k in range(len(table)) if column.cell(k) or k in table.ragged]
     if not filled:
         raise ScenarioError(f"{path}: no row has a velocity; allowed is one or more")
     # Whoever filled it in has to find it, so notes name its whole path.
@@ -256,13 +257,6 @@ def read_new_trials(
         twice = "all its trials are in the measurement already"
         raise ScenarioError(f"{path}: {twice}: allowed is once, or they would count twice")
     return data, left_out
-
-
-def unmeasured(table: SourceTable) -> list[int]:
-    """Rows whose velocity is empty."""
-    column = table.columns["velocity"]
-    return [k for k in np.flatnonzero(np.isnan(column.values)).tolist() if not column.cell(k)
-            and k not in table.ragged]  # fmt: skip
 
 
 def _trials(data: VelocityData) -> list[tuple[object, ...]]:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip._util.arrays import Array
-from stickslip._util.columns import NothingSound, SourceTable, read_table, sound_numbers
+from stickslip._util.columns import NothingSound, read_table, sound_numbers
 from stickslip._util.files import check_name
 from stickslip._util.messages import known_arguments, refuse, shown, suggestion
 from stickslip._util.note import Note
@@ -168,8 +168,8 @@ class Measurement(OneLine):
         scenario = scenario.with_uncertain(None)
         return Measurement(name, scenario, priors, (data,), (), (), (), tuple(left_out), rows.path)
 
-    def with_velocities(self, table: DataFrame | str | PathLike[str] | SourceTable) -> Measurement:
-        """The same with one more table of velocities, such as that of `Diagnosis.next_trials`.
+    def with_velocities(self, table: DataFrame | str | PathLike[str]) -> Measurement:
+        """The same with one more table of velocities, such as that of `propose_experiments`.
 
         Rows without a velocity were not measured, and are not used.
 
@@ -184,8 +184,7 @@ class Measurement(OneLine):
             With one line, if a column is missing or like a known one, a row with a velocity is not
             sound, no row has one, or all trials are in the measurement already.
         """
-        rows = table if isinstance(table, SourceTable) else read_table(
-            with_index_columns(table), velocities())  # fmt: skip
+        rows = read_table(with_index_columns(table), velocities())
         more = () if rows.word == "row" else (rows.path,)
         files = (*self.files, *more)
         data, lost = read_new_trials(rows, self.scenario, self.velocity)

@@ -6,24 +6,28 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import compress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.stats import t as t_law
 
 from stickslip import _core
 from stickslip._util.arrays import Array
+from stickslip._util.columns import index_labels
+from stickslip._util.messages import refuse
 from stickslip._util.note import Note
 from stickslip._util.units import far_size
 from stickslip.diagnosis.data.errors import along_runs, estimate
 from stickslip.diagnosis.data.noise import whitener
 from stickslip.diagnosis.data.settings import Settings
-from stickslip.scenario.keys import Value, known_keys
+from stickslip.errors import ScenarioError, prefixed
+from stickslip.scenario.keys import Value, find_key, in_allowed_case, known_keys
+from stickslip.scenario.scenario import Scenario
 from stickslip.simulation.notes import STEADY_PULSES
 from stickslip.sweeping.dataset import notes_of
 from stickslip.sweeping.points import encoded, from_changes
 from stickslip.walker.instruments import of_velocities
-from stickslip.walker.read_velocity import VelocityData
+from stickslip.walker.read_velocity import NOT_SETTINGS, VelocityData, with_index_columns
 from stickslip.walker.reading import Measurement
 from stickslip.walker.simulated import SimulatedTable
 
@@ -344,6 +348,36 @@ def settings_of(conditions: Conditions) -> Settings:
         for key in names
     }
     return Settings(columns, len(conditions))
+
+
+def drive_settings(given: Any, scenario: Scenario) -> list[dict[str, Value]]:
+    """Drives that a person writes, by dotted key in SI units.
+
+    `given` is a DataFrame or a list of dicts; every row is a change of `scenario`. Names are dotted
+    keys or bare, such as ``frequency``; words are in any case. Columns of measured trials, such as
+    ``trial`` and ``velocity``, are passed over. A ScenarioError is raised, with the row (its index
+    label, or its number from 0), if a name is no key of ``[drive]`` or a value is not allowed.
+    """
+    table = with_index_columns(given)
+    rows = table.to_dict("records") if hasattr(table, "to_dict") else given
+    if not isinstance(rows, Sequence) or not all(isinstance(row, Mapping) for row in rows):
+        refuse("conditions", given, "a DataFrame or a list of dicts of settings")
+    if not rows:
+        raise ScenarioError("conditions: there is no row; allowed is one or more")
+    drives = []
+    for label, row in zip(index_labels(table) or range(len(rows)), rows, strict=True):
+        drive: dict[str, Value] = {}
+        with prefixed(f"conditions: row {label}"):
+            for name, value in row.items():
+                if name not in (*NOT_SETTINGS, "standard_error", "velocity_sd"):
+                    key = find_key(f"drive.{str(name).removeprefix('drive.')}", value)
+                    # A column of a table has numpy's numbers.
+                    value = value.item() if hasattr(value, "item") else value
+                    is_word = isinstance(value, str)
+                    drive[key.name] = in_allowed_case(key, value.strip()) if is_word else value
+            scenario.replace(drive)
+        drives.append(drive)
+    return drives
 
 
 def _pooled(tables: Sequence[VelocityData]) -> tuple[list[dict[str, Value]], Array]:

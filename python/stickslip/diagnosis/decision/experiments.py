@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,16 +12,13 @@ import numpy as np
 from stickslip._util.arrays import Array
 from stickslip._util.note import Note
 from stickslip.diagnosis.decision.verdict import Verdict
+from stickslip.diagnosis.terms.cause import CauseNote
 
 PROPOSED, TRIALS = 3, 3
 """Experiments that are proposed if nothing else is asked for, and trials of each. Chosen."""
 
 DECISIVE = 4.0
 """Expected chi-square that tells two candidates apart: two standard errors."""
-
-LEAST_WORTH = DECISIVE / PROPOSED
-"""Expected chi-square of an experiment that is worth its time: all that are proposed in a row tell
-two candidates apart together."""
 
 LEFT = 0.1
 """Probability of a cause from which on ``none`` asks for readings. Chosen: few readings leave more.
@@ -61,10 +59,9 @@ class Experiment:
 
 
 def expected_chi2(
-    level: Array, covariance: Array, noise_variance: Array, pairs: Sequence[tuple[int, int]],
-    beside: Sequence[int] = (),
-) -> Array:  # fmt: skip
-    """How far the predictions of two candidates lie apart, in squared standard errors.
+    level: Array, covariance: Array, noise_variance: Array, beside: Sequence[int] = ()
+) -> Array:
+    """Separation of any two candidates at each proposal, in squared standard errors.
 
     A reading is of one candidate's world, so its error is the noise and that candidate's own
     uncertainty: of the two candidates the one that expects the larger error counts. What is
@@ -73,18 +70,34 @@ def expected_chi2(
 
     `level` has the shape (candidates, proposals); `covariance` is that of the predictions over the
     draws of a candidate, (candidates, proposals, proposals); `noise_variance` is that of the mean
-    of the trials of a proposal, (proposals,). The answer has the shape (pairs, proposals), of each
-    proposal together with those of `beside`; 0 where a candidate predicts nothing.
+    of the trials of a proposal, (proposals,). The answer has the shape (candidates, candidates,
+    proposals), of each proposal together with those of `beside`; 0 where a candidate predicts
+    nothing.
     """
-    sound = np.all(np.isfinite(level) & np.isfinite(np.einsum("cpp->cp", covariance)), axis=0)
-    chi2 = np.zeros((len(pairs), level.shape[1]))
-    for p in np.flatnonzero(sound):
-        rows = np.unique([*beside, p])
-        errors = covariance[:, rows[:, None], rows] + np.diag(noise_variance[rows])
-        for k, (a, b) in enumerate(pairs):
-            gap = level[a, rows] - level[b, rows]
-            chi2[k, p] = min(float(gap @ np.linalg.solve(errors[c], gap)) for c in (a, b))
-    return chi2
+    known = list(beside)
+    shared, gap = covariance[:, known], level - level[:, None]  # [a, b]: b in the world of a
+    errors, there = shared[..., known] + np.diag(noise_variance[known]), gap[..., known]
+    # By what is measured anyway, and by what a proposal adds to it.
+    before = np.einsum("abk,akb->ab", there, np.linalg.solve(errors, there.swapaxes(1, 2)))
+    weights = np.linalg.solve(errors, shared)
+    explained = np.einsum("ckp,ckp->cp", shared, weights)
+    variance = np.einsum("cpp->cp", covariance) + noise_variance - explained
+    chi2 = before[..., None] + (gap - there @ weights) ** 2 / variance[:, None]
+    sound = np.all(np.isfinite(chi2), axis=(0, 1))
+    return np.where(sound, np.minimum(chi2, chi2.swapaxes(0, 1)), 0.0)
+
+
+def separates(first: str, second: str, chi2: float, trials: int, is_later: bool) -> Note:
+    """A note on the two candidates that a proposal separates best, beyond those before it."""
+    decides, apart = chi2 > DECISIVE, math.sqrt(chi2)
+    little, needed = ("", "would be enough") if decides else (" too little", "would be needed")
+    text = (
+        f"It separates {{}} from {{}}{little}: with {trials} trials their predictions lie "
+        f"{apart:.1f} standard errors apart{', beside the drives before it' * is_later}; "
+        f"{math.sqrt(DECISIVE):g} {needed}."
+    )
+    code = "separates" if decides else "separates-too-little"
+    return CauseNote(code, text, (first, second), apart)
 
 
 def next_step(
@@ -114,11 +127,3 @@ def next_step(
         ), probability)  # fmt: skip
     text = f"Nothing is proposed: the verdict {kind} leaves no candidates to tell apart."
     return Note("nothing-to-separate", text)
-
-
-def worth_measuring(step: Note, experiments: Sequence[Experiment]) -> list[Experiment]:
-    """The proposed experiments that the next step needs, up to the last that tells enough."""
-    if step.code != "no-safe-name":
-        return []
-    enough = [k for k, experiment in enumerate(experiments) if experiment.separation >= LEAST_WORTH]
-    return list(experiments[: max(enough, default=-1) + 1])

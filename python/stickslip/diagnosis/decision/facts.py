@@ -307,7 +307,7 @@ class Facts:
 
         at, settings = self.rivals.conditions(conditions)
         level, covariance, noise = self._apart(candidates, at)
-        chi2 = design.expected_chi2(level, covariance, noise, pairs)
+        chi2 = design.expected_chi2(level, covariance, noise)[tuple(np.transpose(pairs))]
         best = np.argmax(chi2, axis=0)
         settings |= {"separation": np.max(chi2, axis=0), "least": np.min(chi2, axis=0)}
         for k, word in enumerate(("first", "second")):
@@ -332,9 +332,8 @@ class Facts:
                 "separate(conditions) compares those that you give"
             )
         check_whole("count", count)
-        # The first ones are the same, however many are asked for.
-        most = max(count, design.PROPOSED)
-        return (self._experiments if most == design.PROPOSED else self._proposed(most))[:count]
+        made = self._proposals
+        return self.rivals.chosen(*made, count) if made else []
 
     @cached_property
     def next_step(self) -> Note:
@@ -349,24 +348,6 @@ class Facts:
             probability = 1.0 - self.chance.none
         names = [self.words.title(name) for name in causes]
         return design.next_step(verdict, names, probability, self.rivals.unvaried()[:2])
-
-    def worth_measuring(self, count: int = design.PROPOSED) -> list[design.Experiment]:
-        """The proposed experiments that `next_step` needs."""
-        return design.worth_measuring(self.next_step, self.propose_experiments(count))
-
-    def next_trials(self, count: int = design.PROPOSED) -> DataFrame:
-        """The conditions to measure next, a row for each trial, with an empty column to fill in.
-
-        With readings `Measurement.with_velocities` takes the table. None where `next_step` needs
-        none.
-        """
-        return self.trial_table(self.worth_measuring(count))
-
-    def trial_table(
-        self, experiments: Sequence[design.Experiment], trials: int = design.TRIALS
-    ) -> DataFrame:
-        """A row for each trial of some experiments, with an empty column to fill in."""
-        return self.rivals.trial_table(experiments, trials)
 
     @property
     def extended(self) -> Any:
@@ -436,14 +417,13 @@ class Facts:
         return level, covariance, sd**2 / design.TRIALS + scatter**2
 
     @cached_property
-    def _experiments(self) -> list[design.Experiment]:
-        return self._proposed(design.PROPOSED)
-
-    def _proposed(self, count: int) -> list[design.Experiment]:
+    def _proposals(
+        self,
+    ) -> tuple[Any, list[str], tuple[Array, Array, Array], list[tuple[int, int]]] | None:
+        """Conditions that may be measured next, names of models, their arrays, and their pairs."""
         candidates, pairs = self._told_apart(False)
         proposals = self.rivals.proposals() if pairs else None
         if proposals is None:
-            return []
-        level, covariance, noise = self._apart(candidates, proposals)
+            return None
         names = [candidate.name for candidate in candidates]
-        return self.rivals.chosen(proposals, names, level, covariance, noise, count, pairs)
+        return proposals, names, self._apart(candidates, proposals), pairs

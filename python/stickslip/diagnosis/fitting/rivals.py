@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 from stickslip._util.arrays import Array, columns_of
 from stickslip._util.note import Note
 from stickslip.diagnosis.data.table import Table
-from stickslip.errors import ScenarioError
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -55,10 +54,10 @@ class Rivals:
         return None
 
     def chosen(
-        self, proposals: Any, names: Sequence[str], level: Array, covariance: Array,
-        noise_variance: Array, count: int, pairs: Sequence[tuple[int, int]],
+        self, proposals: Any, names: Sequence[str], predicted: tuple[Array, Array, Array],
+        pairs: Sequence[tuple[int, int]], count: int,
     ) -> list[Any]:  # fmt: skip
-        """The experiments that tell models apart best; the arrays as for `expected_chi2`."""
+        """The experiments that tell models apart best; arrays as for `expected_chi2`."""
         return []
 
     def unvaried(self) -> list[str]:
@@ -68,10 +67,6 @@ class Rivals:
     def advice(self, names: Mapping[str, str], experiments: Sequence[Any]) -> list[Note]:
         """Advice beside conditions to measure; `names` says each cause of a set by its name."""
         return []
-
-    def trial_table(self, experiments: Sequence[Any], trials: int) -> DataFrame:
-        """A row for each trial of some experiments, to be filled in."""
-        raise ScenarioError("trial_table: allowed for a measurement; a model of one's own has none")
 
     def sides(self, values: Mapping[str, Any]) -> dict[str, dict[str, float]]:
         """Parameters of each of two states that are compared; nothing of one state."""

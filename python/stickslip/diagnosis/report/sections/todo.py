@@ -11,8 +11,7 @@ from stickslip.diagnosis.terms import amounts
 
 class Numbers(TypedDict):
     next: str
-    """A sentence: whether the name is safe. With `--next`: `safe`, `why`, how many experiments are
-    `proposed`, `measured` and the `budget`, and `table`, the file to fill in, or null."""
+    """A sentence: whether the name is safe."""
     left: float | None
     """For `none`: the probability that a cause is there all the same, from 0.1 on; else null."""
     next_experiments: list[dict[str, Any]]
