@@ -118,13 +118,6 @@ def test_the_rate_is_the_given_one_and_of_a_long_run_a_lower_one(scenario, tmp_p
 # --- pictures of a run
 
 
-def test_a_stretch_of_the_picture_can_be_chosen(scenario, tmp_path):
-    plot = ["--plot", tmp_path / "a.svg", "--set=record.rate=2000"]
-    done = stickslip("run", scenario, *plot, "--start", "0.1", "--stop", "0.12")
-    assert (done.returncode, done.stderr) == (0, "")
-    assert (tmp_path / "a.svg").exists()
-
-
 @pytest.mark.parametrize(("option", "name"), [("--plot", "a.png"), ("--animate", "a.gif")])
 def test_a_picture_of_which_nothing_can_be_drawn_is_a_failure(scenario, tmp_path, option, name):
     ends_before = ["--until", "time >= 0.05", "--start", "0.1"]

@@ -302,8 +302,6 @@ ABSENT = [
     (lambda: HERE.replace({"law.wear.fraction": 0.1}), '"effects", "laws"'),
     (lambda: Scenario(laws=vars(WEAR)), "a table [laws.NAME] for each law"),
     (lambda: sweep(Scenario(), {"laws.wear.fraction": [0.1]}), "laws.wear.quantity is missing"),
-    (lambda: sweep(HERE, {"laws.waer.fraction": [0.1]}), 'did you mean "laws.wear"?'),
-    (lambda: sweep(HERE, [{"laws.waer.fraction": 0.1}]), 'did you mean "laws.wear"?'),
     (lambda: HERE.with_uncertain({"laws.waer.fraction": SPREAD}), "[uncertain]: laws.waer"),
     (lambda: HERE.with_uncertain({"laws.wear.amount": SPREAD}), "the law has no amount"),
     (lambda: HERE.with_uncertain({"laws.wear.fraction": SPREAD}).replace({"laws.wear": None}),

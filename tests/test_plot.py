@@ -299,16 +299,6 @@ def test_a_list_of_points_is_drawn_in_order():
     np.testing.assert_allclose(axes.get_lines()[0].get_xdata(), [0.1, 0.3])
 
 
-def test_wide_ranges_are_logarithmic():
-    wide = {"drag.linear": [1e-7, 1e-6, 1e-5]}
-    (axes,) = plot.velocity(sweep(BASE, wide)).axes
-    assert axes.get_xscale() == "log"
-    axes = plot.velocity(sweep(BASE, {**wide, "drag.rotational": [1e-17, 1e-14]})).axes[0]
-    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
-    edges = axes.collections[0].get_coordinates()[0, :, 0]
-    np.testing.assert_allclose(edges, 1e-7 * 10 ** np.array([-0.5, 0.5, 1.5, 2.5]))
-
-
 def test_the_legend_of_a_map_says_which_cells_have_no_velocity_and_why():
     # On steep slopes the robot slides away, unless drag holds it; kinetic friction of 0.145 is
     # above the least static one.

@@ -272,13 +272,6 @@ def test_a_slide_downhill_is_no_walk():
     assert codes(run_of({**held, "drive.pulses": 20})) == ["rest"]
 
 
-@pytest.mark.parametrize("frequency", [115.0, 150.0])
-def test_a_robot_whose_speed_is_of_hops_is_noted(frequency):
-    run = run_of({**HOPPER, "drive.frequency": frequency})
-    assert codes(run)[0] == "flight"
-    assert f"{100 * run.summary()['airborne_fraction']:.3g} % of the measuring" in run.notes[0].text
-
-
 def test_a_robot_at_rest_by_what_effects_change_has_a_reason_that_was_tried():
     still = {"drive.pulses": 5, "drive.peak": 1e-5, "drive.base": 0.0, "drive.hold": 1e-5}
     for effect in ("surface_tilt.angle", "adhesion_ageing.rate", "angle_drag.strength"):

@@ -2,9 +2,6 @@
 
 import io
 import os
-import signal
-import subprocess
-import time
 from ast import literal_eval
 from pathlib import Path
 
@@ -14,7 +11,7 @@ import pandas as pd
 import pytest
 import xarray
 
-from command_line import COMMAND, files_up_to, python_process, stickslip, stickslip_process
+from command_line import files_up_to, python_process, stickslip, stickslip_process
 from killed_recordings import killed
 from own_effects import nothing_stays, register  # noqa: F401 (around every test here)
 from recorded_runs import COARSE, DENSE, ENDLESS, assert_same_record, flat_columns
@@ -302,38 +299,6 @@ def test_an_effect_that_fails_keeps_the_record(tmp_path):
     run = open_run(tmp_path / f"run.nc{PART}")
     assert (run.status, run.complete) == ("interrupted", False)
     assert 0 < len(run.t) < 341
-
-
-@pytest.mark.nightly
-def test_an_interrupted_command_says_what_it_kept(tmp_path):
-    ENDLESS.to_toml(tmp_path / "scenario.toml")
-    out = tmp_path / "out"
-    out.mkdir()
-    command = [*COMMAND, "run", tmp_path / "scenario.toml", "--out", out / "run.nc"]
-    process = subprocess.Popen(
-        list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
-    part, limit, seen = out / f"run.nc{PART}", time.monotonic() + 60.0, [0]
-    while seen[-1] < 4 * BLOCK:  # meanwhile it is read
-        assert time.monotonic() < limit
-        if part.exists():
-            try:
-                run = open_run(part)
-            except ScenarioError:
-                assert seen == [0]  # its head is being written
-                continue
-            assert not run.complete
-            assert len(run.t) == run.samples >= seen[-1]
-            assert np.array_equal(run.t, np.arange(run.samples) / 5e4)
-            seen.append(run.samples)
-    process.send_signal(signal.SIGINT)
-    printed, said = process.communicate(timeout=60)
-    assert (process.returncode, printed) == (130, "")
-    last = said.replace("\r", "\n").strip().splitlines()[-1]
-    run = open_run(part)
-    assert last.startswith("stickslip: interrupted, ")
-    assert last.endswith(f"run.nc.part has the record up to {run.recorded_until:.6g} s")
-    assert names(out) == [f"run.nc{PART}"]
 
 
 # Room for one block of 65 536 samples of 169 bytes and a margin, not for two.

@@ -158,11 +158,6 @@ def test_a_finished_file_is_read_and_left_alone(tmp_path):
     assert seen == [(1.0, "simulating")]
 
 
-def test_resuming_without_a_file_begins(tmp_path):
-    data = sweep(QUICK, FRICTION, out=tmp_path / "a.nc", resume=True)
-    xarray.testing.assert_identical(xarray.load_dataset(tmp_path / "a.nc"), data)
-
-
 def test_lists_resume_too(tmp_path):
     rows = [{"drive.frequency": f} for f in np.linspace(20.0, 200.0, 40)]
     begin(tmp_path / "a.nc", vary=rows)

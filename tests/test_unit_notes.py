@@ -17,7 +17,7 @@ from stickslip import (
     Scenario,
     Waveform,
 )
-from stickslip._util.units import factor_text, in_handy_units, unit_factor, unit_meant
+from stickslip._util.units import factor_text, unit_factor, unit_meant
 from stickslip.simulation.notes import CODES
 from stickslip.simulation.unit_notes import shortest_tooth, unit_notes
 
@@ -210,8 +210,3 @@ def test_coils_that_are_not_there_show_no_background():
     fields = formula_fields(points)
     fields[:, 2:4] = 0.0
     assert of_map(points, fields) == []
-
-
-def test_an_axis_names_its_unit_if_there_is_one():
-    assert in_handy_units("speed", "m/s") == (1e3, "speed (mm/s)")
-    assert in_handy_units("share", "-") == (1.0, "share")

@@ -79,15 +79,6 @@ def test_each_verdict_has_a_page_of_its_numbers(results, kind, tmp_path):
     assert ("bump + kink (a bump in the middle and" in told[1]) == is_set
 
 
-def test_twins_end_in_what_to_do_where_one_is_known_to_be_absent(rough):
-    chance = [each for each in rough.chance.fits if len(each.causes) == 1]
-    told = made.said(rough, "ambiguous", members=chance[:2], causes=("bump", "wave"))
-    line = told.summary().split("\n")[0]
-    assert line.endswith(
-        "leave it out: a ready-made model does so with --set without=NAME, such as bump."
-    )
-
-
 def test_constants_that_moved_or_had_a_range_are_in_the_text(rough, none):
     for told in (rough, none):
         numbers = numbers_of(told)
@@ -318,14 +309,6 @@ def test_user_text_is_escaped(rough, tmp_path):
     assert "<b>volts" not in text
     assert "&lt;alike&gt;" in text
     assert sorted(each.name for each in tmp_path.iterdir()) == ["report.html", "report.json"]
-
-
-def test_nothing_is_written_where_one_file_cannot_be(rough, tmp_path):
-    (tmp_path / "report.json").mkdir()
-    with pytest.raises(OSError, match=r"report\.json") as raised:
-        rough.save_report(tmp_path)
-    assert "\n" not in str(raised.value)
-    assert [each.name for each in tmp_path.iterdir()] == ["report.json"]
 
 
 @pytest.mark.nightly
