@@ -45,7 +45,7 @@ def _is_slow(page):
     return page.stem in ("sweeps", "control", "own-laws", "shaken-walkers") or any(
         word in text
         for text in code
-        for word in ("diagnose", "animation(", "optimise(", "gymnasium")
+        for word in ("diagnose", "propose_experiments(", "animation(", "optimise(", "gymnasium")
     )
 
 

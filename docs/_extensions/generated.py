@@ -27,8 +27,7 @@ STUDIES = {**{name: (study.HERE / "study" / f"{name}.jsonl", tables) for name, t
                "intervals": finished.intervals}.items()},
            "walkers": (study.HERE / "study" / study.RECORD, scoring.table),
            "laws": (study.HERE / "laws" / study.RECORD, scoring.table)}  # fmt: skip
-OF_VERDICTS = {"real.json": "rows", "walkers.json": "rows", "planned.json": "rows",
-               "untold.json": "kinds"}  # fmt: skip
+OF_VERDICTS = {"real.json": "rows", "walkers.json": "rows", "untold.json": "kinds"}
 """Files with figures of the diagnosis, and where their rows are."""
 
 
@@ -186,7 +185,6 @@ class BenchResults(SphinxDirective):
             "real.json": _real,
             "walkers.json": _walkers,
             "untold.json": _untold,
-            "planned.json": _planned,
         }
         rows = results[OF_VERDICTS[path.name]].values() if path.name in OF_VERDICTS else []
         parts = [*stale(rows), tables[path.name](results), _origin(results)]
@@ -349,11 +347,6 @@ def _walkers(results: dict[str, Any]) -> str:
     ]
     header = ["set", "error of the simulation alone", "verdict", "why no name", "held-out error"]
     return _markdown_table(header, rows)
-
-
-def _planned(results: dict[str, Any]) -> str:
-    rows = [[name, *counts.values()] for name, counts in results["counts"].items()]
-    return _markdown_table(["twelve drives", *results["counts"]["even"]], rows)
 
 
 def _untold(results: dict[str, Any]) -> str:

@@ -11,12 +11,14 @@ from made_velocities import drives
 from made_velocities import measurement as measured
 from stickslip import (
     Cause,
+    Drive,
     Parameter,
     Prior,
     Scenario,
     ScenarioError,
     Series,
     Table,
+    Waveform,
     diagnose,
     diagnose_model,
     events,
@@ -189,6 +191,7 @@ def proposed(folder, what=None, **more):
 
 
 WALKER = Scenario().replace({"drive.pulses": 5})
+PROGRAM = Scenario(drive=Drive(mode="program", program=Waveform.hold(0.07, {})))
 TURNING = WALKER.replace({"drive.heading": 0.5})
 KINETIC = "contact.kinetic_friction"
 PROPOSED = [
@@ -198,6 +201,7 @@ PROPOSED = [
     ({"noise": 5}, "noise = 5: allowed is"),
     ({"trials": 0}, "trials = 0: allowed is a whole number from 1"),
     ({"seed": -1}, f"seed = -1: {FROM_0}"),
+    ({"what": PROGRAM}, 'drive.mode = "program": allowed is IPP or OPP'),
     ({"what": TURNING}, ["drive.heading = 0.5", "walk along x"]),
     ({"what": WALKER.replace({"robot.magnetization": 0.0})}, "stands still"),
     ({"what": WALKER.with_uncertain({KINETIC: {"mean": 0.15, "sd": 9.0}})}, "cannot be simulated"),

@@ -39,12 +39,11 @@ CHOICES: dict[str, tuple[Value, ...]] = {
 """Settings that proposals vary: words as they are, numbers as multiples of the middle of what was
 measured. Chosen."""
 
-_KIND = "drive.mode", "drive.direction", "drive.frequency"  # in one of which chosen drives differ
 _NOTHING = 1e-6  # chi-square that is no more than rounding; chosen
 _NOISE = 0.05  # of one trial, relative; as in the measured tables
 # Before data. Chosen: the mean is of nine pulses; noise falls no more below half the median speed;
-# draws reach as far as data leave the constants; an error that surprises; a cause of any size.
-_PULSES, _FLOOR, _DRAWS, _WIDTH, _OFF, _FREE = 12, 0.5, 24, 0.3, 3.0, 3.0
+# draws reach as far as data leave the constants; an error that surprises.
+_PULSES, _FLOOR, _DRAWS, _WIDTH, _OFF = 12, 0.5, 24, 0.3, 3.0
 _ENOUGH = 0.5  # share of drives, and of draws, that has to be simulated; chosen
 
 
@@ -54,9 +53,8 @@ def propose_experiments(
 ) -> pd.DataFrame:  # fmt: skip
     """Propose the drives whose velocities separate causes best.
 
-    After a diagnosis: its leading models. Before data: all causes of a scenario at their usual
-    sizes, to first order; no size of another may imitate one while the uncertain constants move
-    within their priors. Each row is the best beside those before it.
+    After a diagnosis: its leading models. Before data: all causes of a scenario, to first order,
+    each of its usual size and as uncertain, with the priors of the uncertain constants.
 
     Parameters
     ----------
@@ -71,11 +69,11 @@ def propose_experiments(
     Returns
     -------
     DataFrame
-        A row for each drive: settings; `why`; `separation` of two causes beyond that of the rows
-        before it, in standard errors; and of each model, or the ``stated`` one, the velocity
-        ``expected_NAME`` and its ``sd_NAME`` without the noise of a trial, m/s. With a column
-        `velocity` `Measurement.with_velocities` takes it. Of a scenario ``attrs["alike"]`` are the
-        pairs of causes that all rows leave within two standard errors.
+        A row for each drive, the best beside those before it: settings; `why`; `separation` of two
+        causes beyond those rows, in standard errors; and for each model, or the ``stated`` one,
+        ``expected_NAME`` and ``sd_NAME`` of the velocity without the noise of a trial, m/s. With a
+        column `velocity` `Measurement.with_velocities` takes it. Of a scenario ``attrs["alike"]``
+        are the pairs of causes that all rows leave within two standard errors.
 
     Raises
     ------
@@ -85,8 +83,7 @@ def propose_experiments(
     check_whole("count", count, 1)
     if isinstance(what, Diagnosis):
         if (noise, trials, seed, threads) != (_NOISE, TRIALS, 0, None):
-            text = "allowed for a Scenario; a Diagnosis has those of its data"
-            raise ScenarioError(f"noise, trials, seed, threads: {text}")
+            raise ScenarioError("noise, trials, seed, threads: allowed for a Scenario alone")
         found = what.propose_experiments(count)
         return _table(found, what.words, cast(Measurement, what.measurement).scenario)
     if not isinstance(what, Scenario):
@@ -136,8 +133,8 @@ def _first_order(
     count = len(problem.constants)
     points = np.zeros((_DRAWS + 3 * count + len(problem.causes), problem.size))
     draws, usual = np.split(points, [_DRAWS + 3 * count])
-    random = np.random.default_rng(seed)
-    draws[1:, :count] = _WIDTH * random.standard_normal((len(draws) - 1, count))
+    some = draws[1:, :count]
+    some[:] = _WIDTH * np.random.default_rng(seed).standard_normal(some.shape)
     for row, cause in zip(usual, problem.causes, strict=True):
         own = [one.name for one in cause.parameters if one.is_amplitude]
         row[np.isin(problem.names, own)] = 1.0
@@ -161,8 +158,8 @@ def _first_order(
             "drives with constants within a third of their stated errors"
         )
     moves, slopes = moves[:, sound], fit[1:, sound]
-    sizes = _FREE * moves
-    covariance = slopes.T @ slopes + sizes[:, :, None] * sizes[:, None, :]
+    # The size of a cause is as uncertain as it is large.
+    covariance = slopes.T @ slopes + moves[:, :, None] * moves[:, None, :]
     drives = [table.conditions[k] for k in sound]
     return names, drives, level[sound] + moves, covariance, rough[sound]
 
@@ -214,7 +211,7 @@ def choose(
     """Choose the drives that leave the least odds of taking one candidate for another.
 
     The odds of a pair are exp(-chi2 / 2), of its mean log-evidence; those of all `pairs` are added.
-    Each drive is the best beside those before it, of another kind, and the mirror image of none.
+    Each drive is the best beside those before it, and of another mode, direction or frequency.
     `names` are those of the candidates, `predicted` the arrays of `expected_chi2`, in m/s. Return
     the chi2 of each pair by all drives, too.
     """
@@ -222,7 +219,7 @@ def choose(
     if not pairs or not drives:
         return experiments, reached
     (level, covariance, _), (first, second) = predicted, np.transpose(pairs)
-    kinds = np.array([str([drive[key] for key in _KIND]) for drive in drives])
+    kinds = np.array([str([drive[key] for key in [*CHOICES][:3]]) for drive in drives])
     left = np.ones(len(drives), dtype=bool)
     while len(chosen) < count and np.any(left):
         chi2 = design.expected_chi2(*predicted, chosen)[first, second]
@@ -231,12 +228,12 @@ def choose(
         gains = np.where(alike | ~np.any(alike), chi2[:, k] - reached, 0.0)
         best, sd = int(np.argmax(gains)), np.sqrt(covariance[:, k, k])
         two, gain = (names[first[best]], names[second[best]]), float(gains[best])
+        beside = ", beside the drives before it" if chosen else ""
         if not gain > _NOTHING:
             break
         experiments.append(Experiment(
             {key.removeprefix("drive."): value for key, value in drives[k].items()},
-            drive_in_words(drives[k]),
-            design.separates(*two, gain, trials, bool(chosen)), gain,
+            drive_in_words(drives[k]), design.separates(*two, gain, trials, beside), gain,
             {name: {"velocity": float(level[c, k]), "sd": float(sd[c])}
              for c, name in enumerate(names)},
         ))  # fmt: skip

@@ -87,14 +87,13 @@ def expected_chi2(
     return np.where(sound, np.minimum(chi2, chi2.swapaxes(0, 1)), 0.0)
 
 
-def separates(first: str, second: str, chi2: float, trials: int, is_later: bool) -> Note:
-    """A note on the two candidates that a proposal separates best, beyond those before it."""
+def separates(first: str, second: str, chi2: float, trials: int, beside: str) -> Note:
+    """Say how far a proposal separates two candidates, `beside` others in words."""
     decides, apart = chi2 > DECISIVE, math.sqrt(chi2)
     little, needed = ("", "would be enough") if decides else (" too little", "would be needed")
     text = (
         f"It separates {{}} from {{}}{little}: with {trials} trials their predictions lie "
-        f"{apart:.1f} standard errors apart{', beside the drives before it' * is_later}; "
-        f"{math.sqrt(DECISIVE):g} {needed}."
+        f"{apart:.1f} standard errors apart{beside}; {math.sqrt(DECISIVE):g} {needed}."
     )
     code = "separates" if decides else "separates-too-little"
     return CauseNote(code, text, (first, second), apart)
