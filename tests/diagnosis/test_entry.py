@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from made_velocities import drives, measurement, trials
-from stickslip import Scenario, diagnose
+from stickslip import Scenario, diagnose, propose_experiments
 from stickslip.walker.library import library
 from stickslip.walker.problem import posed_by
 
@@ -25,7 +25,7 @@ def test_nothing_is_found_where_nothing_is_whatever_the_threads_and_little_by_th
     assert abs(friction["value"] - stated) < 4.0 * friction["sd"]
     assert result.extended.contact.kinetic_friction == friction["value"]
     assert result.extended.uncertain is not None
-    assert len(result.next_trials()) == 0
+    assert len(propose_experiments(result)) == 0
     again = diagnose(measurement(table), threads=2)
     assert again.as_dict()["ranking"] == result.as_dict()["ranking"]
     assert np.array_equal(again.findings.models.null.x, result.findings.models.null.x)
