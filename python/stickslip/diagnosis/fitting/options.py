@@ -1,13 +1,12 @@
 """How hard the search over models and its descents look, and where they stop.
 
-All are chosen; where it is known on what, the line of one says so. Tests vary them by `vary`.
+All are chosen; where it is known on what, the line of one says so.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
@@ -112,8 +111,3 @@ JUMPING = Effort(
     elsewhere=(0.6, 2.0), smaller=(0.15,), worth=4.0, room=12.0, early=True, rough=0.02
 )
 """Of a simulation with events: a small gain may be a jump, and a fit follows jumps for long."""
-
-
-def vary(options: Search | Descent | Effort, **changes: Any) -> None:
-    """Change some for all that follows: ``vary(SEARCH, leaders=5)``."""
-    vars(options).update(vars(replace(options, **changes)))
