@@ -15,7 +15,7 @@ EXTRAS = {
     "netcdf": ("h5netcdf", "h5py", "xarray", "pandas"),
     "plot": ("matplotlib",),
     "diagnosis": ("scipy", "pandas", "matplotlib", "jinja2", "threadpoolctl"),
-    "optimise": ("cma", "pandas", "matplotlib"),
+    "optimise": ("scipy", "pandas", "matplotlib"),
     "gym": ("gymnasium",),
     "dask": ("distributed",),
 }

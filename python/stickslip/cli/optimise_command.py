@@ -23,9 +23,8 @@ from stickslip.errors import ScenarioError, prefixed
     Uncertain parameters are drawn, the same draws for every drive, and a limit has to hold in all
     of them. The drive has to walk: at most 20 % of the time in flight, never upright, and pulled
     by the gradient with at most 40 % of what friction could hold, unless --allow-flight,
-    --allow-pull or a limit of yours says otherwise. The result is compared with the start and with
-    the best sawtooth of a grid, on fresh draws; the better of search and sawtooth is written.
-    Without uncertain parameters the scenario is the one draw.
+    --allow-pull or a limit of yours says otherwise. The result is compared with the start on fresh
+    draws. Without uncertain parameters the scenario is the one draw.
 
     Fields of the drive, such as drive.peak, are those of a voltage held for ever; in a fast pulse
     the field stays far below. To limit the field, limit field_max.
@@ -142,7 +141,6 @@ def command(
     else:
         click.echo(printable_lines(optimum.summary()))
     if out is not None:
-        optimum.save_report(out)
-        output.say(f"  in {out}: {', '.join(optimum.files)}", err=as_json)
+        output.say(f"  in {out}: {', '.join(optimum.save(out))}", err=as_json)
     if optimum.interrupted:
         raise KeyboardInterrupt("this is the best so far")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -38,6 +38,10 @@ _SIZES = {
     "airborne_fraction", "pull_ratio", "tilt_max", "turning_speed",
 }  # fmt: skip
 """Figures that are never below 0."""
+
+_EXCEEDING, _FAILED = 1e60, 1e120
+"""Costs of a drive beyond its limits, and of each draw that fails: above any figure in SI units,
+with squares that are finite."""
 
 
 @dataclass(frozen=True)
@@ -79,10 +83,10 @@ class Goal:
         return [float(numbers[name]) for name in names]
 
     def table(self, numbers: Array) -> pd.DataFrame:
-        """Drives by their numbers in each draw, shape (drives, draws, 1 + bounds), a row each.
+        """Tabulate drives by their numbers in each draw, shape (drives, draws, 1 + bounds).
 
         Columns are the score, mean and worst of the figure, the draws, how many of them fail or
-        pass a limit (`exceeding`) or fail (`failed`), by how much the limits are passed, relative
+        exceed a limit (`exceeding`) or fail (`failed`), by how much limits are exceeded, relative
         to them and summed (`excess`), and the worst value of each figure with a limit, in its
         column of `bounds`.
         """
@@ -90,13 +94,14 @@ class Goal:
         limits = np.array([sign * limit for _, sign, limit in bounds.values()])
         signs = np.array([sign for _, sign, _ in bounds.values()])
         good, limited = self.sign * numbers[..., 0], signs * numbers[..., 1:]
-        share = {"worst": 0.0, "mean": math.nan}.get(self.score)
-        if share is None:
-            share = int(self.score[1:]) / 100.0
-        score = good.mean(axis=1) if math.isnan(share) else np.quantile(good, share, axis=1)
+        if self.score == "mean":
+            score = good.mean(axis=1)
+        else:
+            share = 0.0 if self.score == "worst" else int(self.score[1:]) / 100.0
+            score = np.quantile(good, share, axis=1)
         worst = limited.max(axis=1)
         lost = ~np.isfinite(numbers).all(axis=-1)
-        passed = np.maximum(worst - limits, 0.0) / np.where(limits == 0.0, 1.0, np.abs(limits))
+        excess = np.maximum(worst - limits, 0.0) / np.where(limits == 0.0, 1.0, np.abs(limits))
         return pd.DataFrame(
             {
                 "score": self.sign * score,
@@ -105,24 +110,22 @@ class Goal:
                 "draws": numbers.shape[1],
                 "exceeding": (lost | (limited > limits).any(axis=-1)).sum(axis=1),
                 "failed": lost.sum(axis=1),
-                "excess": passed.sum(axis=1),
+                "excess": excess.sum(axis=1),
                 **dict(zip(bounds, (signs * worst).T, strict=True)),
             }
         )
 
-    def keys(self, table: pd.DataFrame, limited: bool = True) -> Array:
-        """Sort keys of drives: failures, then the excess over limits, then the score.
+    def costs(self, table: pd.DataFrame) -> Array:
+        """Return one number for each drive, the least for the best.
 
-        Without `limited` the limits do not count: what passes one in no draw of the search may
-        pass it in one of many others, or else a drive at its limit would lose to any far from it.
+        Failures come first, then the excess over limits, then the score.
         """
-        lost = table["failed"].to_numpy(dtype=float)
-        excess = np.where(lost > 0.0, 0.0, table["excess"] if limited else 0.0)
-        score = np.where((lost > 0.0) | (excess > 0.0), 0.0, -self.sign * table["score"])
-        return np.column_stack([lost, excess, score])
+        score = -self.sign * table["score"]
+        exceeding = np.where(table["excess"] > 0.0, _EXCEEDING * (1.0 + table["excess"]), score)
+        return np.where(table["failed"] > 0, _FAILED * table["failed"], exceeding)
 
-    def beside_limit(self, column: str, value: float) -> str:
-        """A figure that has a limit, beside it."""
+    def next_to_limit(self, column: str, value: float) -> str:
+        """A figure that has a limit, with the limit."""
         name, sign, limit = self.bounds[column]
         unit = units.unit_label(FIGURES[name].unit)
         of = "of" if sign > 0.0 else "of at least"
@@ -131,16 +134,16 @@ class Goal:
         removed = f", default (--allow-{kind} or allow_{kind}=True removes it)"
         return text + removed * (column in self.assumed)
 
-    def passed(self, worst: Mapping[str, float]) -> list[str]:
-        """The worst values that pass their limits, each beside it."""
+    def exceeded(self, worst: Mapping[str, float]) -> list[str]:
+        """The worst values that exceed their limits, each with its limit."""
         return [
-            self.beside_limit(column, worst[column])
+            self.next_to_limit(column, worst[column])
             for column, (_, sign, limit) in self.bounds.items()
             if not sign * worst[column] <= sign * limit
         ]
 
 
-def made_goal(
+def make_goal(
     maximise: str | None,
     minimise: str | None,
     score: str,
@@ -148,7 +151,7 @@ def made_goal(
     defaults: Mapping[str, float],
     at_least: Mapping[str, float] | None = None,
 ) -> Goal:
-    """The goal, once all is checked; `defaults` are limits on what `limits` does not name."""
+    """Check all and make the goal; `defaults` are limits on what `limits` does not name."""
     figure = maximise if minimise is None else minimise
     if figure is None or (maximise is not None and minimise is not None):
         raise ScenarioError("allowed is either maximise or minimise, with a figure of the summary")
@@ -170,9 +173,3 @@ def made_goal(
     assumed = {k: v for k, v in defaults.items() if k not in limits}
     sign = 1.0 if minimise is None else -1.0
     return Goal(figure, sign, score, {**limits, **assumed}, tuple(assumed), at_least)
-
-
-def best_first(keys: Array) -> Sequence[int]:
-    """Indices of keys, the least first; equal ones in their order."""
-    order: list[int] = np.lexsort(keys.T[::-1]).tolist()
-    return order

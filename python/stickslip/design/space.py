@@ -14,23 +14,14 @@ from stickslip._util.arrays import Array
 from stickslip._util.messages import meant, refuse, shown
 from stickslip.errors import ScenarioError
 from stickslip.scenario.changes import Changes
-from stickslip.scenario.keys import (
-    COIL_NAMES,
-    PROGRAM,
-    SAWTOOTH,
-    Value,
-    checked,
-    find_key,
-    refuse_sawtooth,
-)
+from stickslip.scenario.keys import COIL_NAMES, PROGRAM, SAWTOOTH, Value, checked, find_key
+from stickslip.scenario.keys import refuse_sawtooth
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.waveform import Waveform, drive_waveform
 from stickslip.simulation.notes import STEADY_PULSES
 
 Values = Mapping[str, Value]
 """The free values of a drive: words and numbers by key, and knots such as "xp 3", V."""
-
-WAY = "drive.direction"
 
 _DECADE = 10.0  # ratio of the ends of a range that is searched in its logarithm
 _OF_A_PROGRAM = ("drive.frequency", "drive.ramp")  # what a free waveform uses of a sawtooth
@@ -41,57 +32,68 @@ _MOST_KNOTS = 200  # of a coil; chosen: far more than a search of some thousand 
 class Space:
     """The free values of the scenario `start`.
 
-    `ranges` has low and high of each free number, the knots of a waveform last. `arms` has every
-    combination of the free words, that of the start first. `coils` are those of a waveform of
-    `knots` knots each; 0 for none.
+    `words` has the choices of each free word, that of the start first. `ranges` has low and high of
+    each free number, the knots of a waveform last. `coils` are those of a waveform of `knots` knots
+    each; 0 for none.
+
+    A point has a coordinate for each word, its place among the choices, and then one for each
+    number, 0 to 1 along its range.
     """
 
     start: Scenario
+    words: Mapping[str, Sequence[Value]]
     ranges: Mapping[str, tuple[float, float]]
-    arms: Sequence[Values]
     knots: int = 0
     coils: tuple[str, ...] = ()
 
-    def coordinate(self, name: str, value: float) -> float:
-        """A number as a coordinate from 0 to 1 along its range; of its nearer end outside."""
-        low, high = self.ranges[name]
-        inside = min(max(value, low), high)
-        if 0.0 < _DECADE * low <= high:
-            return math.log(inside / low) / math.log(high / low)
-        return (inside - low) / (high - low)
-
-    def number(self, name: str, coordinate: float) -> float:
-        """Inverse of `coordinate`."""
-        low, high = self.ranges[name]
-        bent = 0.0 < _DECADE * low <= high
-        value = low * (high / low) ** coordinate if bent else low + coordinate * (high - low)
-        return min(max(value, low), high)  # no rounding past an end
+    @property
+    def bounds(self) -> list[tuple[float, float]]:
+        """Lowest and highest of each coordinate."""
+        places = [(0.0, len(choices) - 1.0) for choices in self.words.values()]
+        return places + [(0.0, 1.0)] * len(self.ranges)
 
     def starts(self) -> Array:
-        """The start with the words of each arm, as coordinates, shape (arms, ranges)."""
+        """Return the start with each combination of words as points, a row each, its own first.
+
+        A number outside its range is at its nearer end.
+        """
         rows = []
-        for arm in self.arms:
-            row = [float(self.start.get(name)) for name in self.ranges if " " not in name]
+        for places in itertools.product(*(range(len(each)) for each in self.words.values())):
+            chosen = zip(self.words.items(), places, strict=True)
+            scenario = self.start.replace({key: choices[place] for (key, choices), place in chosen})
+            numbers = [float(scenario.get(name)) for name in self.ranges if " " not in name]
             if self.knots:
-                scenario = self.start.replace(arm)
-                times = np.arange(self.knots) / (self.knots * scenario.drive.frequency)
-                volts = drive_waveform(scenario).voltages(scenario.drive.ramp + times)
-                row += [value for coil in self.coils for value in volts[:, COIL_NAMES.index(coil)]]
-            rows.append([self.coordinate(*pair) for pair in zip(self.ranges, row, strict=True)])
+                drive = scenario.drive
+                times = drive.ramp + np.arange(self.knots) / (self.knots * drive.frequency)
+                volts = drive_waveform(scenario).voltages(times)
+                numbers += [volts[k, COIL_NAMES.index(coil)] for coil in self.coils for k in range(self.knots)]
+            pairs = zip(self.ranges.values(), numbers, strict=True)
+            rows.append([*places, *(_coordinate(*pair) for pair in pairs)])
         return np.array(rows, dtype=float)
 
-    def values(self, arm: float, *point: float) -> Values:
-        """A candidate of the search, by the index of its arm and its coordinates."""
-        numbers = map(self.number, self.ranges, point)
-        return {**self.arms[int(arm)], **dict(zip(self.ranges, numbers, strict=True))}
+    def values(self, point: Array) -> Values:
+        """Return words and numbers of a point."""
+        places, along = np.split(point, [len(self.words)])
+        chosen = zip(self.words.items(), places, strict=True)
+        numbers = zip(self.ranges.items(), along.tolist(), strict=True)
+        return {
+            **{key: choices[round(place)] for (key, choices), place in chosen},
+            **{name: _number(ends, part) for (name, ends), part in numbers},
+        }
 
     def changes(self, values: Values) -> dict[str, Any]:
-        """Arguments of ``Scenario.replace`` for values by name.
+        """Return the arguments of ``Scenario.replace`` for values by name.
 
-        Where a waveform is free, any drive is played as a program: a program is measured over all
-        of it, and a pulsed drive after its third pulse only.
+        Where the frequency is free, there are as many pulses as take the start's time: of drives
+        that are equally long the rise to the first pulse is the same part. Where a waveform is
+        free, any drive is played as a program: a program is measured over all of it, and a pulsed
+        drive after its third pulse only.
         """
-        keys = self.timed({name: value for name, value in values.items() if " " not in name})
+        keys = {name: value for name, value in values.items() if " " not in name}
+        if "drive.frequency" in keys:
+            drive = self.start.drive
+            pulses = round(drive.pulses * float(keys["drive.frequency"]) / drive.frequency)
+            keys["drive.pulses"] = max(STEADY_PULSES, pulses)
         if not self.knots:
             return keys
         scenario = self.start.replace(keys)
@@ -100,34 +102,8 @@ class Space:
         others = {key: value for key, value in keys.items() if key not in SAWTOOTH}
         return {**others, "drive.mode": "program", PROGRAM: waveform}
 
-    def timed(self, values: Values) -> dict[str, Value]:
-        """Where the frequency is free, with as many pulses as take the start's time.
-
-        Of drives that are equally long the rise to the first pulse is the same part.
-        """
-        if "drive.frequency" not in self.ranges or "drive.frequency" not in values:
-            return dict(values)
-        drive = self.start.drive
-        pulses = round(drive.pulses * float(values["drive.frequency"]) / drive.frequency)
-        return {**values, "drive.pulses": max(STEADY_PULSES, pulses)}
-
-    def nearest(self, sawtooth: Values) -> dict[str, Value]:
-        """The sawtooth nearest to another within the space; all else is as at the start.
-
-        A free waveform can be any sawtooth, but for its frequency.
-        """
-        drive = dict(sawtooth)
-        for key, value in sawtooth.items():
-            if key in self.ranges:
-                low, high = self.ranges[key]
-                drive[key] = min(max(float(value), low), high)
-            elif not self.knots or key in _OF_A_PROGRAM:
-                words = [arm[key] for arm in self.arms if key in arm] or [self.start.get(key)]
-                drive[key] = value if value in words else words[0]
-        return drive
-
     def _waveform(self, scenario: Scenario, volts: Array) -> Waveform:
-        """The ramp of a scenario to the first knot, and a period for each pulse.
+        """Make the ramp of a scenario to the first knot, and a period for each pulse.
 
         A coil is not mirrored in the one across from it, so that each has the limits of the
         sawtooth's single coil.
@@ -142,7 +118,22 @@ class Space:
         return Waveform([rise, pulses] if drive.ramp > 0.0 else [pulses])
 
 
-def made_space(
+def _coordinate(ends: tuple[float, float], value: float) -> float:
+    low, high = ends
+    inside = min(max(value, low), high)
+    if 0.0 < _DECADE * low <= high:
+        return math.log(inside / low) / math.log(high / low)
+    return (inside - low) / (high - low)
+
+
+def _number(ends: tuple[float, float], coordinate: float) -> float:
+    low, high = ends
+    bent = 0.0 < _DECADE * low <= high
+    value = low * (high / low) ** coordinate if bent else low + coordinate * (high - low)
+    return min(max(value, low), high)  # no rounding past an end
+
+
+def make_space(
     scenario: Scenario,
     free: Mapping[str, Any],
     knots: int | None,
@@ -150,7 +141,7 @@ def made_space(
     volts: float | None,
     either_way: bool = False,
 ) -> Space:
-    """The checked search space; `volts` is the limit on the voltages.
+    """Check what is free and make the search space; `volts` is the limit on the voltages.
 
     With `either_way` a sawtooth is tried in both directions unless its direction is stated.
     """
@@ -161,7 +152,7 @@ def made_space(
     if knots is None:
         refuse_sawtooth(scenario.drive.mode, by_name)
         if either_way and scenario.drive.kind == "sawtooth":
-            by_name = Changes({WAY: ["+x", "-x"], **by_name})
+            by_name = Changes({"drive.direction": ["+x", "-x"], **by_name})
     else:
         _check_waveform(scenario, by_name, knots, volts)
         names = tuple(COIL_NAMES[k] for k in coil_places(coils))
@@ -177,8 +168,7 @@ def made_space(
     most = volts or 0.0  # used with knots alone, and above 0 then
     for coil in names:
         ranges |= {f"{coil} {k}": (-most, most) for k in range(1, (knots or 0) + 1)}
-    arms = [dict(zip(words, choice, strict=True)) for choice in itertools.product(*words.values())]
-    return Space(scenario, ranges, arms, knots or 0, names)
+    return Space(scenario, words, ranges, knots or 0, names)
 
 
 def coil_places(coils: object) -> list[int]:
