@@ -108,7 +108,7 @@ def test_commands_of_the_base(arguments, tmp_path):
     [
         (OPTIONAL, "stickslip sweep scenario.toml --vary drive.peak=0", "h5netcdf", "netcdf"),
         (OPTIONAL, "stickslip predict scenario.toml", "h5netcdf", "netcdf"),
-        (OPTIONAL, "stickslip optimise scenario.toml", "cma", "optimise"),
+        (OPTIONAL, "stickslip optimise scenario.toml", "scipy", "optimise"),
         (OPTIONAL, "stickslip diagnose measurement.toml", "scipy", "diagnosis"),
         (OPTIONAL, "stickslip run scenario.toml --plot run.png", "matplotlib", "plot"),
         (OPTIONAL, "stickslip run scenario.toml --out run.nc", "h5netcdf", "netcdf"),
@@ -151,7 +151,7 @@ def test_every_public_name_is_there_or_names_its_extra(tmp_path):
             ["propose_experiments", "diagnose_model", "instruments", "models"], "scipy"
         ),
         **dict.fromkeys(["Table", "diagnose_change", "events", "read_measurement"], "scipy"),
-        **dict.fromkeys(["Optimum", "optimise"], "cma"),
+        **dict.fromkeys(["Optimum", "optimise"], "scipy"),
         "plot": "matplotlib",
     }
 

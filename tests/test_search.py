@@ -1,4 +1,4 @@
-"""The search: known optima of plain functions, ranks, restarts, seeds, interrupts."""
+"""The search: known optima of plain functions, words, restarts, seeds, interrupts."""
 
 import numpy as np
 import pytest
@@ -8,101 +8,88 @@ from stickslip.design.search import search
 CENTRE = 0.3
 
 
-def distance(rows):
-    """Squared distance from a point; worse by the arm's index."""
-    return (np.sum((rows[:, 1:] - CENTRE) ** 2, axis=1) + rows[:, 0])[:, None]
+def distance(points):
+    """Squared distance from a point, in which a word other than the first costs its place."""
+    return np.sum((points[:, 1:] - CENTRE) ** 2, axis=1) + points[:, 0]
 
 
-def found(evaluate, starts, budget, seed=0):
-    """All candidates and their keys, and how many of the last are centres."""
-    seen, keys = [], []
+def found(costs, starts, budget, choices=1, seed=0):
+    """All points, with a word first, and their costs."""
+    seen, paid = [], []
 
-    def kept(rows):
-        seen.append(rows)
-        keys.append(evaluate(rows))
-        return keys[-1]
+    def kept(points):
+        seen.append(points.copy())
+        paid.append(costs(points))
+        return paid[-1]
 
-    centres = search(np.array(starts, dtype=float), kept, budget, seed)
-    return np.concatenate(seen), np.concatenate(keys), centres
-
-
-def best(rows, keys):
-    return rows[np.lexsort(keys.T[::-1])[0]]
+    numbers = len(starts[0]) - 1
+    bounds = [(0.0, choices - 1.0)] + [(0.0, 1.0)] * numbers
+    search(bounds, 1, np.array(starts, dtype=float), kept, budget, seed)
+    return np.concatenate(seen), np.concatenate(paid)
 
 
-@pytest.mark.parametrize("dimensions", [1, 2, 6])
-def test_the_optimum_of_a_smooth_function_is_found(dimensions):
-    rows, keys, centres = found(distance, [[0.9] * dimensions], 300 * dimensions)
-    # The step at which a strategy has converged, and begins again, is 1e-3 of the range.
-    assert best(rows, keys)[1:] == pytest.approx(CENTRE, abs=1e-2)
-    assert rows[-centres, 1:] == pytest.approx(CENTRE, abs=1e-2)
-
-
-def test_only_ranks_count():
-    rows, _, _ = found(distance, [[0.9] * 3], 300)
-    bent, _, _ = found(lambda rows: 1e9 * np.sqrt(distance(rows)) - 7.0, [[0.9] * 3], 300)
-    assert np.array_equal(rows, bent)
+@pytest.mark.parametrize(("numbers", "choices"), [(1, 1), (2, 4), (6, 2)])
+def test_the_optimum_of_a_smooth_function_is_found(numbers, choices):
+    points, costs = found(distance, [[choices - 1, *[0.9] * numbers]], 1500, choices)
+    best = points[np.argmin(costs)]
+    assert best[0] == 0
+    assert best[1:] == pytest.approx(CENTRE, abs=0.02)
+    assert {*points[:, 0]} == {*range(choices)}  # whole numbers, each of which is tried
+    assert points[:, 1:].min() >= 0.0
+    assert points[:, 1:].max() <= 1.0
 
 
 def test_a_limit_is_met_before_the_score_counts():
     # The largest sum of two coordinates whose squares sum to 0.5 at most is one, at 0.5 and 0.5.
-    def evaluate(rows):
-        over = np.maximum(np.sum(rows[:, 1:] ** 2, axis=1) - 0.5, 0.0)
-        return np.column_stack([over, np.where(over > 0.0, 0.0, -rows[:, 1:].sum(axis=1))])
+    def costs(points):
+        over = np.maximum(np.sum(points[:, 1:] ** 2, axis=1) - 0.5, 0.0)
+        return np.where(over > 0.0, 1e60 * over, -points[:, 1:].sum(axis=1))
 
-    rows, keys, _ = found(evaluate, [[0.9, 0.9]], 2000, seed=1)
-    over, score = evaluate(best(rows, keys)[None])[0]
-    assert over == 0.0
+    points, paid = found(costs, [[0, 0.9, 0.9]], 2000, seed=1)
     # Along the circle the sum falls with the square of the way: a step of 1e-2 costs 1e-4.
-    assert -score == pytest.approx(1.0, abs=1e-3)
+    assert paid.min() == pytest.approx(-1.0, abs=1e-3)
 
 
-def test_the_best_arm_is_found_and_gets_most_of_the_budget():
-    rows, keys, _ = found(distance, [[0.9] * 3] * 4, 800)
-    assert best(rows, keys)[0] == 0
-    assert np.sum(rows[:, 0] == 0) > 0.5 * len(rows)
-    assert len(rows) == pytest.approx(800, abs=40)  # the last generations of four arms
+def test_each_start_is_tried_and_the_budget_is_kept():
+    starts = [[0, 0.9, 0.9], [1, 0.1, 0.2]]
+    for budget, tried in ((300, 288), (30, 28), (1, 5)):  # whole generations, of five at least
+        points, _ = found(distance, starts, budget, 2)
+        assert len(points) == tried
+        first = points[:24]
+        assert all(np.isclose(first, start).all(axis=1).any() for start in starts)
 
 
-def test_arms_without_numbers_are_compared_once():
-    rows, _, centres = found(distance, np.empty((3, 0)), 100)
-    assert rows.tolist() == [[0.0], [1.0], [2.0]]
-    assert centres == 0
+def test_words_alone_are_tried_once_each():
+    points, _ = found(lambda points: points[:, 0], [[0], [1], [2]], 100, 3)
+    assert points.tolist() == [[0.0], [1.0], [2.0]]
 
 
-def test_a_seed_gives_one_result_and_leaves_the_state_of_numpy_alone():
-    before = np.random.get_state()[1].tobytes()  # noqa: NPY002 - this state is what is meant
-    first, again, other = (found(distance, [[0.9] * 3], 200, seed)[0] for seed in (5, 5, 6))
+def test_a_seed_gives_one_result():
+    first, again, other = (found(distance, [[0, 0.9]], 100, 1, seed)[0] for seed in (5, 5, 6))
     assert np.array_equal(first, again)
-    assert not np.array_equal(first[:20], other[:20])
-    assert np.random.get_state()[1].tobytes() == before  # noqa: NPY002
+    assert not np.array_equal(first, other)
 
 
-def test_a_strategy_that_has_converged_begins_again_elsewhere():
-    # Two hollows, of which the one at the start is the shallower.
-    def hollows(rows):
-        near, far = (np.sum((rows[:, 1:] - place) ** 2, axis=1) for place in (0.1, 0.9))
-        return np.minimum(near + 0.01, far)[:, None]
+def test_a_population_that_has_converged_begins_again_elsewhere():
+    # Two hollows, of which the one at the start is wide and the other better.
+    def hollows(points):
+        near, far = (np.sum((points[:, 1:] - place) ** 2, axis=1) for place in (0.1, 0.9))
+        return np.minimum(near + 0.02, 20.0 * far) + 1.0
 
-    sizes = []
-    rows, keys, centres = found(
-        lambda rows: sizes.append(len(rows)) or hollows(rows), [[0.1, 0.1]], 4000
-    )
-    assert best(rows, keys)[1:] == pytest.approx(0.9, abs=1e-2)
-    assert centres > 1
-    # Each begins with twice as many a generation; the start and the centres stand about them.
-    assert list(dict.fromkeys(sizes[1:-1])) == [sizes[1] * 2**k for k in range(centres)]
+    points, costs = found(hollows, [[0, 0.1, 0.1]], 6000)
+    assert points[np.argmin(costs), 1:] == pytest.approx(0.9, abs=0.02)
 
 
-def test_an_interrupt_passes_through():
+@pytest.mark.parametrize("error", [KeyboardInterrupt, ValueError])
+def test_an_error_passes_through(error):
     calls = []
 
-    def interrupted(rows):
-        calls.append(rows)
+    def interrupted(points):
+        calls.append(points)
         if len(calls) == 4:
-            raise KeyboardInterrupt
-        return distance(rows)
+            raise error("from within")
+        return distance(points)
 
-    with pytest.raises(KeyboardInterrupt):
-        search(np.full((1, 3), 0.9), interrupted, 1000, 0)
+    with pytest.raises(error, match="from within"):
+        found(interrupted, [[0, 0.9, 0.9]], 1000)
     assert len(calls) == 4

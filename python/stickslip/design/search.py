@@ -49,7 +49,7 @@ def search(
         return
     low, high = np.array(bounds).T
     random = np.random.default_rng(seed)
-    size = min(_POPULATION, max(budget, _FEWEST))
+    size = min(_POPULATION, max(budget // 4, _FEWEST))
     population = low + (high - low) * random.uniform(size=(size, len(low)))
     near = starts[random.integers(len(starts), size=int(_NEAR * size))]
     near = near + _SPREAD * (high - low) * random.standard_normal(near.shape)
