@@ -45,7 +45,7 @@ def test_a_limit_is_met_before_the_score_counts():
         over = np.maximum(np.sum(points[:, 1:] ** 2, axis=1) - 0.5, 0.0)
         return np.where(over > 0.0, 1e60 * over, -points[:, 1:].sum(axis=1))
 
-    points, paid = found(costs, [[0, 0.9, 0.9]], 2000, seed=1)
+    _, paid = found(costs, [[0, 0.9, 0.9]], 2000, seed=1)
     # Along the circle the sum falls with the square of the way: a step of 1e-2 costs 1e-4.
     assert paid.min() == pytest.approx(-1.0, abs=1e-3)
 

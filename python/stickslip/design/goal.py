@@ -39,9 +39,8 @@ _SIZES = {
 }  # fmt: skip
 """Figures that are never below 0."""
 
+# Costs of the limits' whole size, and of a draw that fails: far apart, with squares that are finite.
 _EXCEEDING, _FAILED = 1e60, 1e120
-"""Costs of a drive beyond its limits, and of each draw that fails: above any figure in SI units,
-with squares that are finite."""
 
 
 @dataclass(frozen=True)
@@ -121,8 +120,9 @@ class Goal:
         Failures come first, then the excess over limits, then the score.
         """
         score = -self.sign * table["score"]
-        exceeding = np.where(table["excess"] > 0.0, _EXCEEDING * (1.0 + table["excess"]), score)
-        return np.where(table["failed"] > 0, _FAILED * table["failed"], exceeding)
+        exceeding = np.where(table["excess"] > 0.0, _EXCEEDING * table["excess"], score)
+        costs: Array = np.where(table["failed"] > 0, _FAILED * table["failed"], exceeding)
+        return costs
 
     def next_to_limit(self, column: str, value: float) -> str:
         """A figure that has a limit, with the limit."""

@@ -171,7 +171,7 @@ class _Search:
         self._begin, self._done, self._expected = time.perf_counter(), 0, 1
         self._message = ""  # of a simulation that failed
         self._tried = pd.DataFrame()
-        self._judged: dict[str, Array] = {}  # numbers in fresh draws, (draws, 1 + bounds), by name
+        self._judged = pd.DataFrame()  # of start and best, in fresh draws
         self.best: pd.Series[Any] | None = None
 
     def search(self, evaluations: int, seed: int) -> None:
@@ -179,17 +179,17 @@ class _Search:
         space, goal, draws = self._space, self._goal, self._searching
         self._expected = evaluations + LEADERS * len(self._choosing) + 2 * len(self._fresh)
 
-        def costs(points: Array) -> Array:
+        def evaluate(points: Array) -> Array:
             drives = [space.values(point) for point in points]
             table = goal.table(self._simulate(drives, draws, "searching")).assign(values=drives)
-            table["cost"] = goal.costs(table)
+            costs = table["cost"] = goal.costs(table)
             self._tried = pd.concat([self._tried, table], ignore_index=True)
             first = self._tried.loc[self._tried["cost"].idxmin()]
             self.best = None if first["exceeding"] else first
-            return table["cost"].to_numpy()
+            return costs
 
         budget = max(1, evaluations // len(draws))
-        search(space.bounds, len(space.words), space.starts(), costs, budget, seed)
+        search(space.bounds, len(space.words), space.starts(), evaluate, budget, seed)
         if self.best is None:
             nearest = self._tried.loc[self._tried["cost"].idxmin()]
             tried = f"{len(self._tried)} drives that were tried"
@@ -205,34 +205,29 @@ class _Search:
     def judge(self) -> None:
         """Choose among the leaders in draws of their own, and judge the best in others.
 
-        The best of a search are so by luck, in part. Limits do not count here: what exceeds one in
-        no draw of the search may exceed it in one of many others, or else a drive at its limit
-        would lose to any far from it.
+        The best of a search are so by luck, in part, and most of them are at a limit.
         """
         within = self._tried[self._tried["exceeding"] == 0]
         leaders = within.sort_values("cost", kind="stable")[:LEADERS]
         numbers = self._simulate(list(leaders["values"]), self._choosing, "judging")
-        costs = self._goal.costs(self._goal.table(numbers).assign(excess=0.0))
-        self.best = leaders.iloc[int(np.argmin(costs))]
+        table = self._goal.table(numbers)
+        costs = self._goal.costs(table.assign(excess=0.0))
+        self.best = leaders.iloc[np.lexsort([costs, table["exceeding"]])[0]]
         numbers = self._simulate([{}, self.best["values"]], self._fresh, "judging")
-        self._judged = dict(zip(("start", "best"), numbers, strict=True))
+        self._judged = self._goal.table(numbers).set_axis(["start", "best"])
 
     def optimum(self, seed: int, interrupted: bool) -> Optimum | None:
         """The best so far; None before a drive was within the limits."""
         if self.best is None:
             return None
-        table = self.best.drop(["values", "cost"]).to_frame("search").T
-        if self._judged:
-            fresh = self._goal.table(np.array(list(self._judged.values())))
-            table = pd.concat([table, fresh.set_axis(list(self._judged))])
+        of_search = self.best.drop(["values", "cost"]).to_frame("search").T
         scenario = self._space.start.replace(self._space.changes(self.best["values"]))
         asked = {} if scenario.inner.mass > 0.0 else dict.fromkeys(ASKED.values(), "yes")
         return Optimum(
             scenario=scenario,
             start=self._space.start,
             run=simulate(scenario.without_record().replace(asked)),
-            table=table.infer_objects(),
-            fresh=pd.DataFrame({name: scores[:, 0] for name, scores in self._judged.items()}),
+            table=pd.concat([of_search, self._judged]).infer_objects(),
             values=dict(self.best["values"]),
             goal=self._goal,
             runs=len(self._tried) * len(self._searching),

@@ -45,11 +45,6 @@ class SearchInterrupted(KeyboardInterrupt):
         super().__init__()
         self.best = best
 
-    def __str__(self) -> str:
-        if self.best is None:
-            return "interrupted before a drive within the limits was found"
-        return "interrupted; the attribute best has the best drive until then"
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Optimum(OneLine):
@@ -64,11 +59,8 @@ class Optimum(OneLine):
     table : pandas.DataFrame
         Rows: "search", the best drive in the draws of the search, which favour it; "start" and
         "best" in fresh draws, unless it was interrupted. Columns: score, mean and worst of the
-        figure, draws, draws that exceed a limit or fail, those that fail, the relative excess, and
-        the greatest value of each figure with a limit, the least of one with a least value as
-        "mean_velocity_least".
-    fresh : pandas.DataFrame
-        The figure of "start" and "best" in every fresh draw.
+        figure, draws, those that exceed a limit or fail, that fail, the relative excess, and the
+        worst value of each figure with a limit, with a least value as "mean_velocity_least".
     values : dict
         Words and numbers of the best drive that were free, by name, knots in V.
     goal : Goal
@@ -83,7 +75,6 @@ class Optimum(OneLine):
     start: Scenario
     run: Run
     table: pd.DataFrame
-    fresh: pd.DataFrame
     values: dict[str, Value]
     goal: Goal
     runs: int

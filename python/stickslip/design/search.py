@@ -54,7 +54,7 @@ def search(
     near = starts[random.integers(len(starts), size=int(_NEAR * size))]
     near = near + _SPREAD * (high - low) * random.standard_normal(near.shape)
     population[: len(near)] = np.clip(near, low, high)
-    population[-min(len(starts), size):] = starts[:size]
+    population[-min(len(starts), size) :] = starts[:size]
     left = budget
     while left >= size or left == budget:
         try:
@@ -73,6 +73,6 @@ def search(
                 integrality=np.arange(len(low)) < words,
             )
         except RuntimeError as error:  # SciPy's, about an error of `costs`
-            raise error.__cause__ or error
+            raise (error.__cause__ or error) from None
         left -= size * (found.nit + 1)
         population = low + (high - low) * random.uniform(size=population.shape)

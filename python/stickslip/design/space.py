@@ -14,8 +14,15 @@ from stickslip._util.arrays import Array
 from stickslip._util.messages import meant, refuse, shown
 from stickslip.errors import ScenarioError
 from stickslip.scenario.changes import Changes
-from stickslip.scenario.keys import COIL_NAMES, PROGRAM, SAWTOOTH, Value, checked, find_key
-from stickslip.scenario.keys import refuse_sawtooth
+from stickslip.scenario.keys import (
+    COIL_NAMES,
+    PROGRAM,
+    SAWTOOTH,
+    Value,
+    checked,
+    find_key,
+    refuse_sawtooth,
+)
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.waveform import Waveform, drive_waveform
 from stickslip.simulation.notes import STEADY_PULSES
@@ -52,6 +59,10 @@ class Space:
         places = [(0.0, len(choices) - 1.0) for choices in self.words.values()]
         return places + [(0.0, 1.0)] * len(self.ranges)
 
+    @property
+    def _columns(self) -> list[int]:
+        return [COIL_NAMES.index(coil) for coil in self.coils]
+
     def starts(self) -> Array:
         """Return the start with each combination of words as points, a row each, its own first.
 
@@ -66,7 +77,11 @@ class Space:
                 drive = scenario.drive
                 times = drive.ramp + np.arange(self.knots) / (self.knots * drive.frequency)
                 volts = drive_waveform(scenario).voltages(times)
-                numbers += [volts[k, COIL_NAMES.index(coil)] for coil in self.coils for k in range(self.knots)]
+                numbers += [
+                    volts[k, COIL_NAMES.index(coil)]
+                    for coil in self.coils
+                    for k in range(self.knots)
+                ]
             pairs = zip(self.ranges.values(), numbers, strict=True)
             rows.append([*places, *(_coordinate(*pair) for pair in pairs)])
         return np.array(rows, dtype=float)
@@ -110,8 +125,7 @@ class Space:
         """
         drive = scenario.drive
         period = np.zeros((self.knots + 1, len(COIL_NAMES)))
-        columns = [COIL_NAMES.index(coil) for coil in self.coils]
-        period[:-1, columns] = volts.reshape(len(self.coils), -1).T
+        period[:-1, self._columns] = volts.reshape(len(self.coils), -1).T
         period[-1] = period[0]
         pulses = (np.linspace(0.0, 1.0 / drive.frequency, self.knots + 1), period, drive.pulses)
         rise = ([0.0, drive.ramp], [np.zeros(len(COIL_NAMES)), period[0]], 1)
