@@ -169,7 +169,7 @@ class _Search:
         self._space, self._goal, self._threads, self._progress = space, goal, threads, progress
         self._searching, self._choosing, self._fresh = streams
         self._begin, self._done, self._expected = time.perf_counter(), 0, 1
-        self._message = ""  # of a simulation that failed
+        self._message, self._runs = "", 0  # of a simulation that failed; those of the search
         self._tried = pd.DataFrame()
         self._judged = pd.DataFrame()  # of start and best, in fresh draws
         self.best: pd.Series[Any] | None = None
@@ -179,17 +179,14 @@ class _Search:
         space, goal, draws = self._space, self._goal, self._searching
         self._expected = evaluations + LEADERS * len(self._choosing) + 2 * len(self._fresh)
 
-        def evaluate(points: Array) -> Array:
-            drives = [space.values(point) for point in points]
-            table = goal.table(self._simulate(drives, draws, "searching")).assign(values=drives)
-            costs = table["cost"] = goal.costs(table)
-            self._tried = pd.concat([self._tried, table], ignore_index=True)
-            first = self._tried.loc[self._tried["cost"].idxmin()]
-            self.best = None if first["exceeding"] else first
-            return costs
+        def costs(points: Array) -> Array:
+            return self._try([space.values(point) for point in points])
 
-        budget = max(1, evaluations // len(draws))
-        search(space.bounds, len(space.words), space.starts(), evaluate, budget, seed)
+        if space.knots:  # the start itself, which its knots only resemble
+            self._try([{}])
+        points = evaluations // len(draws)
+        spent = lambda: self._runs / evaluations  # noqa: E731
+        search(space.bounds, len(space.words), space.starts(), costs, spent, points, seed)
         if self.best is None:
             nearest = self._tried.loc[self._tried["cost"].idxmin()]
             tried = f"{len(self._tried)} drives that were tried"
@@ -201,6 +198,24 @@ class _Search:
                 f"limits: none of the {tried} is within all in every draw; the nearest has "
                 + ", ".join(goal.exceeded(nearest))
             )
+
+    def _try(self, drives: Sequence[Values]) -> Array:
+        """Costs of drives; one that exceeds a limit in the first draw meets no other."""
+        first, *others = self._searching
+        numbers = self._simulate(drives, [first], "searching")
+        table = self._goal.table(numbers)
+        within = np.flatnonzero(table["exceeding"] == 0)
+        if others and len(within):
+            more = self._simulate([drives[k] for k in within], others, "searching")
+            whole = self._goal.table(np.concatenate([numbers[within], more], axis=1))
+            table.loc[within] = whole.set_axis(within)
+        costs = self._goal.costs(table)
+        tried = table.assign(values=drives, cost=costs)
+        self._tried = pd.concat([self._tried, tried], ignore_index=True)
+        self._runs = int(self._tried["draws"].sum())
+        best = self._tried.loc[self._tried["cost"].idxmin()]
+        self.best = None if best["exceeding"] else best
+        return costs
 
     def judge(self) -> None:
         """Choose among the leaders in draws of their own, and judge the best in others.
@@ -230,7 +245,7 @@ class _Search:
             table=pd.concat([of_search, self._judged]).infer_objects(),
             values=dict(self.best["values"]),
             goal=self._goal,
-            runs=len(self._tried) * len(self._searching),
+            runs=self._runs,
             seed=seed,
             interrupted=interrupted,
             seconds=time.perf_counter() - self._begin,

@@ -113,7 +113,7 @@ class Optimum(OneLine):
             *shown.to_string(float_format="{:.6g}".format).splitlines(),
             "search: the best in the draws of the search, which favour it; others: in fresh draws",
             "the best drive:",
-            *(f"  {line}" for line in self._drive_lines()),
+            *(f"  {line}" for line in self._drive_lines() or ["that of the start"]),
             f"  in flight {100.0 * self.run.numbers['airborne_fraction']:.3g} % of the time",
             *(f"  {line}" for line in shown_lines(self.run.notes)),
             "its limits, in every draw of the search:",
