@@ -30,9 +30,8 @@ from stickslip._util.prior import Prior
 from stickslip.control.camera import Camera, Film
 from stickslip.control.steering import heading_voltages
 from stickslip.control.tasks import TASKS, Places, Targets
-from stickslip.design.space import coil_places
 from stickslip.errors import ScenarioError
-from stickslip.scenario.keys import COIL_NAMES
+from stickslip.scenario.keys import COIL_NAMES, coil_places
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import CONTACT_WORDS, STATE_COLUMNS
 from stickslip.scenario.uncertain import JointPrior
@@ -121,22 +120,14 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
     """
 
     def __init__(
-        self,
-        num_envs: int = 1,
-        task: str = "walk",
-        scenario: Scenario | None = None,
+        self, num_envs: int = 1, task: str = "walk", scenario: Scenario | None = None,
         uncertain: JointPrior | Mapping[str, Prior] | Scenario | None = None,
-        camera: Camera | None = None,
-        coils: Sequence[str] | None = None,
-        path: ArrayLike | None = None,
-        goal: ArrayLike | None = None,
-        voltage: float = 26.0,
-        turning: float = 50.0,
-        period: float = 1e-3,
-        threads: int = 1,
+        camera: Camera | None = None, coils: Sequence[str] | None = None,
+        path: ArrayLike | None = None, goal: ArrayLike | None = None, voltage: float = 26.0,
+        turning: float = 50.0, period: float = 1e-3, threads: int = 1,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         max_episode_steps: int | None = None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         check_whole("num_envs", num_envs, 1)
         if max_episode_steps is not None:
             check_whole("max_episode_steps", max_episode_steps, 1)

@@ -50,13 +50,9 @@ class Targets:
     """The goal of each robot, or the path and how far each has come along it."""
 
     def __init__(
-        self,
-        name: str,
-        count: int,
-        scenario: Scenario,
-        path: ArrayLike | None,
-        goal: ArrayLike | None,
-    ) -> None:
+        self, name: str, count: int, scenario: Scenario,
+        path: ArrayLike | None, goal: ArrayLike | None,
+    ) -> None:  # fmt: skip
         self._task = task = TASKS[name]
         if path is not None and not task.corridor:
             raise ScenarioError(f'path: the task "{name}" follows none')

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from stickslip._util.arrays import Array
-from stickslip._util.messages import meant, refuse, shown
+from stickslip._util.messages import refuse, shown
 from stickslip.errors import ScenarioError
 from stickslip.scenario.changes import Changes
 from stickslip.scenario.keys import (
@@ -20,6 +20,7 @@ from stickslip.scenario.keys import (
     SAWTOOTH,
     Value,
     checked,
+    coil_places,
     find_key,
     refuse_sawtooth,
 )
@@ -77,11 +78,7 @@ class Space:
                 drive = scenario.drive
                 times = drive.ramp + np.arange(self.knots) / (self.knots * drive.frequency)
                 volts = drive_waveform(scenario).voltages(times)
-                numbers += [
-                    volts[k, COIL_NAMES.index(coil)]
-                    for coil in self.coils
-                    for k in range(self.knots)
-                ]
+                numbers += volts[:, self._columns].T.ravel().tolist()
             pairs = zip(self.ranges.values(), numbers, strict=True)
             rows.append([*places, *(_coordinate(*pair) for pair in pairs)])
         return np.array(rows, dtype=float)
@@ -148,13 +145,9 @@ def _number(ends: tuple[float, float], coordinate: float) -> float:
 
 
 def make_space(
-    scenario: Scenario,
-    free: Mapping[str, Any],
-    knots: int | None,
-    coils: Sequence[str],
-    volts: float | None,
-    either_way: bool = False,
-) -> Space:
+    scenario: Scenario, free: Mapping[str, Any], knots: int | None, coils: Sequence[str],
+    volts: float | None, either_way: bool = False,
+) -> Space:  # fmt: skip
     """Check what is free and make the search space; `volts` is the limit on the voltages.
 
     With `either_way` a sawtooth is tried in both directions unless its direction is stated.
@@ -183,16 +176,6 @@ def make_space(
     for coil in names:
         ranges |= {f"{coil} {k}": (-most, most) for k in range(1, (knots or 0) + 1)}
     return Space(scenario, words, ranges, knots or 0, names)
-
-
-def coil_places(coils: object) -> list[int]:
-    """Where in `COIL_NAMES` the named coils stand, each once; else refuse them."""
-    names = list(coils) if isinstance(coils, Sequence) and not isinstance(coils, str) else []
-    unknown = [name for name in names if name not in COIL_NAMES]
-    if unknown or not names or len(set(names)) < len(names):
-        hint = meant(unknown[0], COIL_NAMES) if unknown else ""
-        refuse("coils", coils, f"a list of some of {', '.join(COIL_NAMES)}, each coil once{hint}")
-    return [COIL_NAMES.index(name) for name in names]
 
 
 def _range(key: str, given: Any) -> tuple[float, float]:

@@ -6,7 +6,7 @@ import functools
 import keyword
 import math
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal, ParamSpec, TypeVar
 
@@ -312,6 +312,16 @@ def checked(name: str, value: object) -> Value:
     core = _core.Scenario()
     set_value(core, name, value)
     return core.get(name)
+
+
+def coil_places(coils: object) -> list[int]:
+    """Find where in `COIL_NAMES` the named coils stand, each once; else refuse them."""
+    names = list(coils) if isinstance(coils, Sequence) and not isinstance(coils, str) else []
+    unknown = [name for name in names if name not in COIL_NAMES]
+    if unknown or not names or len(set(names)) < len(names):
+        hint = meant(unknown[0], COIL_NAMES) if unknown else ""
+        refuse("coils", coils, f"a list of some of {', '.join(COIL_NAMES)}, each coil once{hint}")
+    return [COIL_NAMES.index(name) for name in names]
 
 
 def _other_unit(key: Key, value: object) -> str:
