@@ -1,11 +1,26 @@
 """Long runs and large sweeps: work in proportion, and bounded memory."""
 
+import gc
 import json
+import weakref
+from pathlib import Path
 
 import pytest
 
 from command_line import python_process
-from stickslip import Contact, Drive, Scenario, simulate
+from stickslip import (
+    Contact,
+    Drive,
+    Scenario,
+    diagnose,
+    diagnose_change,
+    diagnose_model,
+    models,
+    read_measurement,
+    simulate,
+    sweep,
+)
+from stickslip.diagnosis.fitting.problem import Problem
 
 PULSES = 200
 
@@ -75,3 +90,43 @@ def test_a_hundred_thousand_points(tmp_path):
     assert (found["points"], found["failed"]) == (100_000, 0)
     assert found["megabytes"] < 150  # 14 MB of results, some of them twice while written
     assert (tmp_path / "tiny.nc").stat().st_size < 14e6
+
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+JOINT = models.joint(inertia=(0.012, 0.0005), viscous=(0.02, 0.01))
+
+
+def log(name):
+    return models.read_log(EXAMPLES / name, JOINT)
+
+
+RESULTS = {
+    "run": lambda: simulate(Scenario(drive=Drive(pulses=5))),
+    "sweep": lambda: sweep(Scenario(drive=Drive(pulses=5)), {"drive.frequency": [50.0, 100.0]}),
+    "diagnosis of a log": lambda: diagnose_model(JOINT, log("joint.csv")),
+    "diagnosis of a change": lambda: diagnose_change(JOINT, log("joint.csv"), log("joint_oiled.csv")),
+    "diagnosis of a walker": lambda: diagnose(
+        read_measurement(EXAMPLES / "measurement.toml"), threads=1
+    ),
+}
+
+
+@pytest.mark.parametrize("name", RESULTS)
+@pytest.mark.daily("run", "sweep", "diagnosis of a log", "diagnosis of a change")
+def test_a_result_is_freed_with_its_last_reference(name):
+    """Its arrays do not wait for the collector of cycles, which few large objects do not call."""
+
+    def problems():
+        return sum(isinstance(each, Problem) for each in gc.get_objects())
+
+    gc.collect()
+    before = problems()
+    gc.disable()
+    try:
+        result = RESULTS[name]()
+        assert problems() > before or "diagnosis" not in name
+        seen = weakref.ref(result)
+        del result
+        assert (seen(), problems()) == (None, before)
+    finally:
+        gc.enable()

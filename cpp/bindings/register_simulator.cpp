@@ -219,6 +219,10 @@ py::array_t<std::int8_t> rollout_into(const std::vector<Scenario>& scenarios, st
                                       int threads, const py::object& progress) {
     const bool linear = is_linear(hold);
     const double duration = duration_of(seconds);
+    if (scenarios.size() != 1 && scenarios.size() != runs) {
+        throw std::invalid_argument("scenarios: there are " + std::to_string(scenarios.size()) +
+                                    ", allowed is one, or one for each run");
+    }
     if (states) require_states(*states, runs);
     const bool shared = voltages.ndim() == 2;
     if (shared) require_finite(voltages);  // else a run fails where its own are not

@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <stdexcept>
 
@@ -56,6 +57,8 @@ Array states_of(const Array& terms, const Array& start, const Array& times, cons
             "states: the shapes do not fit");
     Array result({vectors, readings, py::ssize_t{Machine::kStates}});
     const std::span t(times.data(), static_cast<std::size_t>(readings));
+    require(std::all_of(t.begin(), t.end(), [](double time) { return std::isfinite(time); }),
+            "states: a time is not finite");  // an input would have no last knot before it
     const py::gil_scoped_release release;
     const double step = usual_step(t);
     for (py::ssize_t k = 0; k < vectors; ++k) {

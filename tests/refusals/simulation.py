@@ -13,6 +13,8 @@ from stickslip import (
     Simulator,
     Snapshot,
     State,
+    _core,
+    _machines,
     open_run,
     rollout,
     simulate,
@@ -30,6 +32,22 @@ def stepped(*step, **more):
 
 def rolled(*arguments, **more):
     return lambda _: rollout(*arguments, **more)
+
+
+def bound_rollout(scenarios, runs):
+    """The core's function itself, without the checks of `rollout`."""
+    out = np.zeros((runs, len(ROWS), 1))
+    given = [Scenario().to_core()] * scenarios
+    return lambda _: _core.rollout(given, runs, None, ROWS, STEP, "constant", [0], out, 1, None)
+
+
+def bound_states(machine, times):
+    """The states of a machine whose input changes at 0, without the checks of `Model.simulate`."""
+    terms, starts = np.ones((1, len(_machines.terms[machine]))), {"heat": 1}.get(machine, 2)
+    inputs = {"motion": 1, "heat": 2, "servo": 4}[machine]
+    arrays = terms, np.zeros((1, starts)), np.array(times), np.zeros((1, 1))
+    late = np.full((1, inputs), math.inf)
+    return lambda _: _machines.states[machine](*arrays, np.zeros((1, 2, inputs)), late, False)
 
 
 def until(condition, **drive):
@@ -183,4 +201,8 @@ REFUSALS = [
     ("no status",
      changed(lambda d: d.assign_attrs({"status": d.attrs.pop("status")}).drop_attrs(deep=False)),
      ScenarioError, ["is no run"]),
+    *((f"{count} scenarios of {runs} runs", bound_rollout(count, runs), ValueError,
+       [f"there are {count}", "one for each run"]) for count, runs in ((0, 1), (2, 3))),
+    *((f"{machine} at {time}", bound_states(machine, [0.0, time]), ValueError, ["is not finite"])
+      for machine in _machines.states for time in (math.inf, math.nan)),
 ]  # fmt: skip

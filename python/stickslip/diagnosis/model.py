@@ -283,13 +283,16 @@ class ForwardModel(OneLine):
         vectors, which = distinct_rows(values[:, list(at.values())])
         acting = [cause for cause in self.causes if cause.table in (None, table.name)]
 
-        def physics(keys: Sequence[str], rows: Array) -> Array:
+        def answer(keys: Sequence[str], rows: Array) -> Array:
             p = Values({key: locked(rows[:, [k]]) for k, key in enumerate(keys)})
+            return self._answer(_seen(table, acting, p), p, len(rows))
+
+        def physics(keys: Sequence[str], rows: Array) -> Array:
             try:
-                return self._answer(_seen(table, acting, p), p, len(rows))
+                return answer(keys, rows)
             except ScenarioError:
                 for one in rows if len(rows) > 1 else ():  # the first that fails says why
-                    physics(keys, one[None, :])
+                    answer(keys, one[None, :])
                 raise
 
         readers = [cause for cause in acting if cause.input is None]

@@ -259,12 +259,7 @@ def evidence(
 
         def loss(points: Array) -> Array:
             price = 0.5 * np.sum(((points - middle) / sd) ** 2, axis=1)
-            try:
-                losses = price - values(points, first)[0]
-            except np.linalg.LinAlgError:
-                if len(points) == 1:
-                    return np.array([_IMPOSSIBLE])
-                return np.concatenate([loss(point[None]) for point in points])
+            losses = price - _possible(lambda some: values(some, first)[0], points)
             return np.where(np.isfinite(losses), losses, _IMPOSSIBLE)
 
         step = _STEP_H  # of a long record the likelihood narrows as 1/sqrt(n)
@@ -279,6 +274,16 @@ def evidence(
     best = int(np.argmax([one[0] for one in results]))
     total += float(logsumexp([one[0] for one in results])) - math.log(len(every))
     return h, total, every[best], results[best][1], float(results[best][2])
+
+
+def _possible(function: Callable[[Array], Array], points: Array) -> Array:
+    """A function of points, each by itself if they fail together; -inf where a point fails."""
+    try:
+        return function(points)
+    except np.linalg.LinAlgError:
+        if len(points) == 1:
+            return np.array([-math.inf])
+    return np.concatenate([_possible(function, point[None]) for point in points])
 
 
 def _minimum(

@@ -125,10 +125,16 @@ class Problem(OneLine):
         if not self.errors:
             object.__setattr__(self, "errors", tuple(table.errors for table in self.tables))
 
-    @cached_property
+    @property
     def short(self) -> Problem:
         """The problem in which a search begins: of fewer readings, or this one."""
-        return self if self.shortened is None else self.shortened(self)
+        # A cached `self` would be a cycle, which holds all predictions until it is collected.
+        return self if self.shortened is None else self._beginning
+
+    @cached_property
+    def _beginning(self) -> Problem:
+        assert self.shortened is not None
+        return self.shortened(self)
 
     # ------------------------------------------------------------------ parameters
     @cached_property
