@@ -21,7 +21,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stickslip import Diagnosis, diagnose, diagnose_model, models, read_measurement
+from stickslip import (
+    Diagnosis,
+    Series,
+    diagnose,
+    diagnose_change,
+    diagnose_model,
+    models,
+    read_measurement,
+)
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -64,6 +72,12 @@ CASES = {
     "axis": "diagnosed", "axis in time": "diagnose_in_time", "axis repeats": "diagnose_repeats",
     "cart": "diagnosed", "heater": "diagnosed", "rollers": "result", "tumbler": "result",
 }  # fmt: skip
+CHANGES = {
+    "oiled": ("joint_oiled.csv", True, False), "friction not stated": ("joint_oiled.csv", False, False),
+    "nothing": ("joint.csv", True, False), "oiled, other inputs": ("joint_oiled.csv", True, True),
+    "nothing, other inputs": ("joint.csv", False, True),
+}  # fmt: skip
+"""Log after, whether dry friction is stated, and whether the halves of the logs are compared."""
 _X = np.linspace(1.0, 3.0, 30)
 _WAVE, _STEP, _BEND, _ = toys.shapes(_X).values()
 TOYS = {
@@ -122,6 +136,19 @@ def _case(name: str, what: str, _: int) -> Diagnosis:
     return ran if isinstance(ran, Diagnosis) else ran()
 
 
+def _change(after: str, is_stated: bool, halves: bool, _: int) -> Diagnosis:
+    stated = {"coulomb": (0.03, 0.01)} if is_stated else {}
+    joint = models.joint(inertia=(0.012, 0.0005), viscous=(0.02, 0.01), **stated)
+    one, other = (models.read_log(ROOT / "examples" / name, joint) for name in ("joint.csv", after))
+    half = len(one.t) // 2
+    rows = (slice(half), slice(half, None)) if halves else (slice(None), slice(None))
+    noise = 0.02 * np.random.default_rng(3).standard_normal(len(other.t)) * (after == "joint.csv")
+    return diagnose_change(joint, *(
+        Series(log.t[part], y[part], {"torque": log.inputs["torque"][part]}, name=name, unit="rad/s")
+        for log, y, part, name in zip((one, other), (one.y, other.y + noise), rows, "ab", strict=True)
+    ))  # fmt: skip
+
+
 def _toy(seed: int, extra: float | np.ndarray, _: int) -> Diagnosis:
     table = toys.data(extra, seed=seed)
     return diagnose_model(toys.line, table, [toys.SLOPE, toys.LEVEL], toys.CAUSES)
@@ -135,6 +162,8 @@ def _problems() -> Iterator[tuple[str, Problem]]:
         yield f"toy {name}", of(_toy, seed, extra)
     for name, what in CASES.items():
         yield f"case {name}", of(_case, name.partition(" ")[0], what)
+    for name, given in CHANGES.items():
+        yield f"change {name}", of(_change, *given)
     yield "example", of(_measured, ROOT / "examples" / "measurement.toml", threaded=True)
     for kind, sets in (("blind", WALKERS), ("table", TABLES), ("film", FILMS)):
         for name, what in sets.items():
