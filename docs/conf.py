@@ -16,6 +16,8 @@ import stickslip
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE / "_extensions"), str(HERE.parent / "bench")]
 
+from constants import constants  # noqa: E402
+
 project = "stickslip"
 author = "stickslip developers"
 project_copyright = "2026, stickslip developers"
@@ -33,7 +35,8 @@ extensions = [
 ]
 exclude_patterns = ["_build", "_extensions"]
 
-myst_enable_extensions = ["dollarmath", "deflist"]
+myst_enable_extensions = ["dollarmath", "deflist", "substitution"]
+myst_substitutions = constants()
 myst_heading_anchors = 3
 html_math_renderer = "mathml"
 

@@ -361,6 +361,13 @@ def test_the_answers_of_the_exercises_are_what_is_simulated():
         assert words.format(1e3 * velocity) in said, (words, velocity)
 
 
+@pytest.mark.parametrize("page", ["README.md", "docs/index.md"])
+def test_a_page_cites_the_paper_as_the_citation_does(page):
+    text = " ".join((ROOT / page).read_text().split())
+    year = re.search(r"year: (\d+)", (ROOT / "CITATION.cff").read_text())[1]
+    assert re.findall(r"Science and Systems[^;.]*?(\d{4})", text) == [year]
+
+
 def test_the_citation_is_of_this_version():
     text = (ROOT / "CITATION.cff").read_text()
     assert f"\nversion: {stickslip.__version__}\n" in text

@@ -4,7 +4,9 @@ import json
 import pkgutil
 import re
 
+import jinja2
 import pytest
+from constants import constants
 
 from documentation_blocks import DOCS, PAGES, ROOT, by_name, prose
 
@@ -48,6 +50,21 @@ def missing(words, folder):
 @by_page
 def test_names_and_links_of_a_page_are_there(page):
     assert list(missing(prose(page), page.parent)) == []
+
+
+NUMBERS = constants()
+STRICT = jinja2.Environment(undefined=jinja2.StrictUndefined)
+BY_NAME_ALONE = DOCS / "theory" / "diagnosis.md"
+"""The page of the rules: no number with a decimal point stands in digits."""
+
+
+@by_page
+def test_numbers_of_the_code_are_named(page):
+    text = page.read_text(encoding="utf-8")
+    for name in re.findall(r"{{(.+?)}}", text):
+        assert STRICT.from_string(f"{{{{{name}}}}}").render(NUMBERS)
+    digits = re.findall(r"(?<![\w.])\d+\.\d+", re.sub("{{.+?}}", "", text))
+    assert page != BY_NAME_ALONE or digits == []
 
 
 def test_names_and_links_of_the_tutorial_are_there():
