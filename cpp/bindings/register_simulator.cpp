@@ -220,8 +220,7 @@ py::array_t<std::int8_t> rollout_into(const std::vector<Scenario>& scenarios, st
     const bool linear = is_linear(hold);
     const double duration = duration_of(seconds);
     if (scenarios.size() != 1 && scenarios.size() != runs) {
-        throw std::invalid_argument("scenarios: there are " + std::to_string(scenarios.size()) +
-                                    ", allowed is one, or one for each run");
+        throw std::invalid_argument("scenarios: allowed is one, or one for each run");
     }
     if (states) require_states(*states, runs);
     const bool shared = voltages.ndim() == 2;
@@ -283,16 +282,13 @@ struct Steppers {
         require_states(out, batch.size());
         double* to = out.mutable_data();
         for (std::size_t run = 0; run < batch.size(); ++run) {
-            const StateRow row = row_of(batch.run(run).state());
-            to = std::copy(row.begin(), row.end(), to);
+            to = std::ranges::copy(row_of(batch.run(run).state()), to).out;
         }
     }
     /// Index in `statuses` of how the last step of each run ended.
     py::array_t<std::int8_t> statuses() const {
         std::vector<Status> all;
-        for (std::size_t run = 0; run < batch.size(); ++run) {
-            all.push_back(batch.run(run).status());
-        }
+        for (std::size_t k = 0; k < batch.size(); ++k) all.push_back(batch.run(k).status());
         return status_array(all);
     }
 

@@ -2,7 +2,6 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
-#include <cmath>
 #include <span>
 #include <stdexcept>
 
@@ -57,15 +56,13 @@ Array states_of(const Array& terms, const Array& start, const Array& times, cons
             "states: the shapes do not fit");
     Array result({vectors, readings, py::ssize_t{Machine::kStates}});
     const std::span t(times.data(), static_cast<std::size_t>(readings));
-    require(std::all_of(t.begin(), t.end(), [](double time) { return std::isfinite(time); }),
-            "states: a time is not finite");  // an input would have no last knot before it
+    require(std::ranges::all_of(t, [](double x) { return std::isfinite(x); }), "a time not finite");
     const py::gil_scoped_release release;
     const double step = usual_step(t);
     for (py::ssize_t k = 0; k < vectors; ++k) {
         typename Machine::Terms own;
-        for (std::size_t i = 0; i < Machine::kTerms.size(); ++i) {
-            own.*Machine::kTerms[i].value = terms.at(k, i);
-        }
+        const double* each = terms.data(k);
+        for (const auto& term : Machine::kTerms) own.*term.value = *each++;
         auto acting = signals_of<Machine::kInputs>(k, knots, inputs, late, lines);
         acting.step = step;
         Machine::write(own, start.data(k), t, acting, result.mutable_data(k));

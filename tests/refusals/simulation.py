@@ -202,7 +202,7 @@ REFUSALS = [
      changed(lambda d: d.assign_attrs({"status": d.attrs.pop("status")}).drop_attrs(deep=False)),
      ScenarioError, ["is no run"]),
     *((f"{count} scenarios of {runs} runs", bound_rollout(count, runs), ValueError,
-       [f"there are {count}", "one for each run"]) for count, runs in ((0, 1), (2, 3))),
-    *((f"{machine} at {time}", bound_states(machine, [0.0, time]), ValueError, ["is not finite"])
+       "one for each run") for count, runs in ((0, 1), (2, 3))),
+    *((f"{machine} at {time}", bound_states(machine, [0.0, time]), ValueError, ["not finite"])
       for machine in _machines.states for time in (math.inf, math.nan)),
 ]  # fmt: skip
