@@ -129,18 +129,19 @@ def command(
         with prefixed("--out", OSError):
             check_folder(out)
     how |= {"limits": limit, "coils": [name.strip() for name in coils.split(",")]}
+    interrupted = False
     with output.progress_bar() as bar:
         try:
             optimum = stickslip.optimise(base, progress=bar, **how)
         except SearchInterrupted as interrupt:
             if interrupt.best is None:
                 raise
-            optimum = interrupt.best
+            optimum, interrupted = interrupt.best, True
     if as_json:
         output.print_json(optimum.as_dict())
     else:
         click.echo(printable_lines(optimum.summary()))
     if out is not None:
         output.say(f"  in {out}: {', '.join(optimum.save(out))}", err=as_json)
-    if optimum.interrupted:
+    if interrupted:
         raise KeyboardInterrupt("this is the best so far")

@@ -39,7 +39,7 @@ _SIZES = {
 }  # fmt: skip
 """Figures that are never below 0."""
 
-# Costs of the limits' whole size, and of a draw that fails: far apart, with squares that are finite.
+# Costs of an excess of the limit's size, and of a draw that fails: far apart, of finite squares.
 _EXCEEDING, _FAILED = 1e60, 1e120
 
 
@@ -72,9 +72,9 @@ class Goal:
         """SI unit of the figure."""
         return FIGURES[self.figure].unit
 
-    def numbers(self, run: Run | None) -> list[float]:
+    def numbers(self, run: Run) -> list[float]:
         """The figure of a run and those that have a limit; NaN of one that failed."""
-        if run is None or not run.ok:
+        if not run.ok:
             return [math.nan] * (1 + len(self.bounds))
         numbers = {**run.numbers, **dict(zip(VELOCITIES, run.velocity, strict=True))}
         numbers["tilt_max"] = max(-numbers["theta_min"], numbers["theta_max"])
@@ -84,10 +84,8 @@ class Goal:
     def table(self, numbers: Array) -> pd.DataFrame:
         """Tabulate drives by their numbers in each draw, shape (drives, draws, 1 + bounds).
 
-        Columns are the score, mean and worst of the figure, the draws, how many of them fail or
-        exceed a limit (`exceeding`) or fail (`failed`), by how much limits are exceeded, relative
-        to them and summed (`excess`), and the worst value of each figure with a limit, in its
-        column of `bounds`.
+        `exceeding` draws fail or exceed a limit, `failed` ones fail; `excess` is by how much limits
+        are exceeded, relative to them and summed. The columns of `bounds` have the worst values.
         """
         bounds = self.bounds
         limits = np.array([sign * limit for _, sign, limit in bounds.values()])
@@ -115,10 +113,7 @@ class Goal:
         )
 
     def costs(self, table: pd.DataFrame) -> Array:
-        """Return one number for each drive, the least for the best.
-
-        Failures come first, then the excess over limits, then the score.
-        """
+        """Return a cost of each drive, by failures, then the excess over limits, then the score."""
         score = -self.sign * table["score"]
         exceeding = np.where(table["excess"] > 0.0, _EXCEEDING * table["excess"], score)
         costs: Array = np.where(table["failed"] > 0, _FAILED * table["failed"], exceeding)

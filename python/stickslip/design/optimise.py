@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -23,8 +23,10 @@ from stickslip.simulation.quantities import ASKED
 from stickslip.simulation.seen_from_drive import FROM_AXES
 from stickslip.simulation.simulate import Progress, check_progress, simulate, simulate_batch
 
-LEADERS = 24
-"""Best candidates that meet other draws. Chosen: enough to find one among them that is no luck."""
+_LEADERS = 24  # that meet other draws; chosen: enough to find one among them that is no luck
+# Part of the first population near the start, and how near. Chosen on drawn robots: a waveform has
+# too many knots to be found from anywhere.
+_NEAR = {"keys": (0.5, 0.15), "knots": (1.0, 0.07)}
 
 
 def optimise(
@@ -49,10 +51,11 @@ def optimise(
 ) -> Optimum:
     """Search for the best drive under limits, over draws of the uncertain parameters.
 
-    Differential evolution: see `stickslip.design.search`. Every candidate meets the same draws.
-    Those that exceed a limit in a draw rank behind all others, by how much they exceed it, and
-    those whose simulation fails rank last. The best few meet other draws, and the winner is judged
-    next to the start on fresh ones.
+    Differential evolution (Storn and Price, J. Global Optim. 11, 341, 1997) by SciPy. Candidates
+    meet the same draws, but only the first if they exceed a limit there. Those that exceed a limit
+    rank behind all others, by how much they do, and those that fail rank last. The best 24 meet
+    other draws; of those that exceed a limit in the fewest the best is judged next to the start, on
+    fresh ones.
 
     Parameters
     ----------
@@ -115,9 +118,8 @@ def optimise(
     for name, given in {"free": free, "limits": limits, "at_least": at_least}.items():
         check_kind(name, given, Mapping)
     check_progress(progress)
-    defaults = ({} if allow_flight else WALKING) | (
-        {} if allow_pull or _holds_mass(scenario, free) else DRAGGED
-    )
+    no_share = allow_pull or _holds_mass(scenario, free)
+    defaults = ({} if allow_flight else WALKING) | ({} if no_share else DRAGGED)
     goal = make_goal(maximise, minimise, score, limits, defaults, at_least)
     named = {goal.figure, *goal.limits, *goal.at_least} & {*ASKED}
     scenario = scenario.replace({ASKED[name]: "yes" for name in named})
@@ -127,15 +129,13 @@ def optimise(
     either_way = bool(FROM_AXES.keys() & {goal.figure, *at_least})
     space = make_space(scenario, free, knots, coils, limits.get("voltage_max"), either_way)
     streams = [_draw(scenario, n, [seed, k]) for k, n in enumerate((draws, fresh, fresh))]
-    found = _Search(space, goal, streams, worker_count(threads, "threads"), progress)
+    threads = worker_count(threads, "threads")
+    found = _Search(space, goal, streams, evaluations, seed, threads, progress)
     try:
-        found.search(evaluations, seed)
-        found.judge()
+        return found.run()
     except KeyboardInterrupt:
-        raise SearchInterrupted(found.optimum(seed, interrupted=True)) from None
-    best = found.optimum(seed, interrupted=False)
-    assert best is not None  # or the search has raised
-    return best
+        best = None if found.best is None else found.optimum()
+        raise SearchInterrupted(best) from None
 
 
 def _holds_mass(scenario: Scenario, free: Mapping[str, Any]) -> bool:
@@ -152,103 +152,107 @@ def _draw(scenario: Scenario, count: int, seeds: list[int]) -> list[Scenario]:
     return quiet.draws(count, seed=int(np.random.SeedSequence(seeds).generate_state(1)[0]))
 
 
+@dataclass(eq=False)
 class _Search:
-    """The best drive so far; Ctrl-C leaves what there is.
+    """The drives that were tried; Ctrl-C leaves what there is.
 
-    `best` is its row of `Goal.table` in the draws of the search, with its `values` and `cost`.
+    `streams` are the draws of the search, those to choose among leaders, and those to judge the
+    best. `tried` has a row of `Goal.table` for each drive, with its `values` and `cost`; `best` is
+    one of them. `judged` is the table of start and best in fresh draws.
     """
 
-    def __init__(
-        self,
-        space: Space,
-        goal: Goal,
-        streams: Sequence[Sequence[Scenario]],
-        threads: int,
-        progress: Progress | None,
-    ) -> None:
-        self._space, self._goal, self._threads, self._progress = space, goal, threads, progress
-        self._searching, self._choosing, self._fresh = streams
-        self._begin, self._done, self._expected = time.perf_counter(), 0, 1
-        self._message, self._runs = "", 0  # of a simulation that failed; those of the search
-        self._tried = pd.DataFrame()
-        self._judged = pd.DataFrame()  # of start and best, in fresh draws
-        self.best: pd.Series[Any] | None = None
+    space: Space
+    goal: Goal
+    streams: Sequence[Sequence[Scenario]]
+    evaluations: int
+    seed: int
+    threads: int
+    progress: Progress | None
+    tried: pd.DataFrame = field(default_factory=pd.DataFrame)
+    judged: pd.DataFrame = field(default_factory=pd.DataFrame)
+    best: pd.Series[Any] | None = None
+    runs: int = 0
+    done: int = 0
+    message: str = ""
 
-    def search(self, evaluations: int, seed: int) -> None:
-        """Try drives, and keep those that were tried."""
-        space, goal, draws = self._space, self._goal, self._searching
-        self._expected = evaluations + LEADERS * len(self._choosing) + 2 * len(self._fresh)
-
-        def costs(points: Array) -> Array:
-            return self._try([space.values(point) for point in points])
-
+    def run(self) -> Optimum:
+        """Search, choose among the leaders, and judge the best next to the start."""
+        space = self.space
         if space.knots:  # the start itself, which its knots only resemble
             self._try([{}])
-        points = evaluations // len(draws)
-        spent = lambda: self._runs / evaluations  # noqa: E731
-        search(space.bounds, len(space.words), space.starts(), costs, spent, points, seed)
+        search(
+            space.bounds,
+            len(space.words),
+            space.starts(),
+            _NEAR["knots" if space.knots else "keys"],
+            costs=lambda points: self._try([space.values(point) for point in points]),
+            spent=lambda: self.runs / self.evaluations,
+            expected=self.evaluations // len(self.streams[0]),
+            seed=self.seed,
+        )
         if self.best is None:
-            nearest = self._tried.loc[self._tried["cost"].idxmin()]
-            tried = f"{len(self._tried)} drives that were tried"
-            if nearest["failed"]:
-                raise ScenarioError(
-                    f"a simulation fails of all {tried}; of the last: {self._message}"
-                )
-            raise ScenarioError(
-                f"limits: none of the {tried} is within all in every draw; the nearest has "
-                + ", ".join(goal.exceeded(nearest))
-            )
+            raise ScenarioError(self._reason())
+        self.best = self._chosen()
+        numbers = self._simulate([{}, self.best["values"]], self.streams[2], "judging")
+        self.judged = self.goal.table(numbers).set_axis(["start", "best"])
+        return self.optimum()
 
     def _try(self, drives: Sequence[Values]) -> Array:
         """Costs of drives; one that exceeds a limit in the first draw meets no other."""
-        first, *others = self._searching
+        first, *others = self.streams[0]
         numbers = self._simulate(drives, [first], "searching")
-        table = self._goal.table(numbers)
-        within = np.flatnonzero(table["exceeding"] == 0)
-        if others and len(within):
+        table = self.goal.table(numbers)
+        within = [k for k, exceeding in enumerate(table["exceeding"]) if not exceeding]
+        if others and within:
             more = self._simulate([drives[k] for k in within], others, "searching")
-            whole = self._goal.table(np.concatenate([numbers[within], more], axis=1))
+            whole = self.goal.table(np.concatenate([numbers[within], more], axis=1))
             table.loc[within] = whole.set_axis(within)
-        costs = self._goal.costs(table)
-        tried = table.assign(values=drives, cost=costs)
-        self._tried = pd.concat([self._tried, tried], ignore_index=True)
-        self._runs = int(self._tried["draws"].sum())
-        best = self._tried.loc[self._tried["cost"].idxmin()]
+        costs = self.goal.costs(table)
+        table = table.assign(values=drives, cost=costs)
+        self.tried = pd.concat([self.tried, table], ignore_index=True)
+        self.runs += int(table["draws"].sum())
+        best = self.tried.loc[self.tried["cost"].idxmin()]
         self.best = None if best["exceeding"] else best
         return costs
 
-    def judge(self) -> None:
-        """Choose among the leaders in draws of their own, and judge the best in others.
+    def _reason(self) -> str:
+        """Why there is no best drive."""
+        nearest = self.tried.loc[self.tried["cost"].idxmin()]
+        tried = f"{len(self.tried)} drives that were tried"
+        if nearest["failed"]:
+            return f"a simulation fails of all {tried}; of the last: {self.message}"
+        exceeded = ", ".join(self.goal.exceeded(nearest))
+        return (
+            f"limits: none of the {tried} is within all in every draw; the nearest has {exceeded}"
+        )
+
+    def _chosen(self) -> pd.Series[Any]:
+        """The leader that exceeds limits in the fewest other draws, and of those the best.
 
         The best of a search are so by luck, in part, and most of them are at a limit.
         """
-        within = self._tried[self._tried["exceeding"] == 0]
-        leaders = within.sort_values("cost", kind="stable")[:LEADERS]
-        numbers = self._simulate(list(leaders["values"]), self._choosing, "judging")
-        table = self._goal.table(numbers)
-        costs = self._goal.costs(table.assign(excess=0.0))
-        self.best = leaders.iloc[np.lexsort([costs, table["exceeding"]])[0]]
-        numbers = self._simulate([{}, self.best["values"]], self._fresh, "judging")
-        self._judged = self._goal.table(numbers).set_axis(["start", "best"])
+        within = self.tried[self.tried["exceeding"] == 0]
+        leaders = within.sort_values("cost", kind="stable")[:_LEADERS]
+        numbers = self._simulate(list(leaders["values"]), self.streams[1], "judging")
+        table = self.goal.table(numbers)
+        costs = self.goal.costs(table.assign(excess=0.0))
+        return leaders.iloc[np.lexsort([costs, table["exceeding"]])[0]]
 
-    def optimum(self, seed: int, interrupted: bool) -> Optimum | None:
-        """The best so far; None before a drive was within the limits."""
-        if self.best is None:
-            return None
-        of_search = self.best.drop(["values", "cost"]).to_frame("search").T
-        scenario = self._space.start.replace(self._space.changes(self.best["values"]))
+    def optimum(self) -> Optimum:
+        """The best so far, once a drive was within the limits."""
+        assert self.best is not None
+        searched = self.best.drop(["values", "cost"]).to_frame("search").T
+        scenario = self.space.start.replace(self.space.changes(self.best["values"]))
         asked = {} if scenario.inner.mass > 0.0 else dict.fromkeys(ASKED.values(), "yes")
         return Optimum(
             scenario=scenario,
-            start=self._space.start,
+            start=self.space.start,
             run=simulate(scenario.without_record().replace(asked)),
-            table=pd.concat([of_search, self._judged]).infer_objects(),
+            table=pd.concat([searched, self.judged]).infer_objects(),
             values=dict(self.best["values"]),
-            goal=self._goal,
-            runs=self._runs,
-            seed=seed,
-            interrupted=interrupted,
-            seconds=time.perf_counter() - self._begin,
+            goal=self.goal,
+            runs=self.runs,
+            seed=self.seed,
         )
 
     def _simulate(self, drives: Sequence[Values], draws: Sequence[Scenario], stage: str) -> Array:
@@ -256,22 +260,23 @@ class _Search:
         made: list[list[Scenario]] = []
         for values in drives:
             try:
-                changes = self._space.changes(values)
+                changes = self.space.changes(values)
                 made.append([draw.replace(changes) for draw in draws])
             except ScenarioError as error:  # it fails in every draw
-                self._message = str(error)
+                self.message = str(error)
                 made.append([])
         batch = [one for scenarios in made for one in scenarios]
+        _, choosing, fresh = self.streams
+        expected = self.evaluations + _LEADERS * len(choosing) + 2 * len(fresh)
 
         def report(fraction: float, _: str) -> None:
-            if self._progress is not None:
-                done = self._done + fraction * len(batch)
-                self._progress(min(done / self._expected, 1.0), stage)
+            if self.progress is not None:
+                self.progress(min((self.done + fraction * len(batch)) / expected, 1.0), stage)
 
-        runs = simulate_batch(batch, self._threads, report)
+        runs = simulate_batch(batch, self.threads, report)
         report(1.0, stage)  # a short batch ends before its first report
-        self._done += len(batch)
-        self._message = next((run.message for run in runs if not run.ok), self._message)
-        numbers = iter([self._goal.numbers(run) for run in runs])
-        lost = [math.nan] * (1 + len(self._goal.bounds))
+        self.done += len(batch)
+        self.message = next((run.message for run in runs if not run.ok), self.message)
+        numbers = iter([self.goal.numbers(run) for run in runs])
+        lost = [math.nan] * (1 + len(self.goal.bounds))
         return np.array([[next(numbers) if some else lost for _ in draws] for some in made])

@@ -66,9 +66,6 @@ class Optimum(OneLine):
     goal : Goal
     runs, seed : int
         Simulations of the search, and the seed of all draws.
-    interrupted : bool
-    seconds : float
-        Duration of the search, s.
     """
 
     scenario: Scenario
@@ -79,8 +76,6 @@ class Optimum(OneLine):
     goal: Goal
     runs: int
     seed: int
-    interrupted: bool
-    seconds: float
 
     @property
     def active(self) -> list[str]:
@@ -121,7 +116,7 @@ class Optimum(OneLine):
         for name in goal.bounds:
             active = ", active" if name in self.active else ""
             lines.append(f"  {goal.next_to_limit(name, self.table[name]['search'])}{active}")
-        lines.append(f"{self.runs} runs of the search, seed {self.seed}, {self.seconds:.0f} s")
+        lines.append(f"{self.runs} runs of the search, seed {self.seed}")
         return "\n".join(lines)
 
     def _drive_lines(self) -> list[str]:
@@ -141,10 +136,8 @@ class Optimum(OneLine):
         """The result of plain types, as ``stickslip optimise --json`` prints it."""
         goal = self.goal
         return {
-            "figure": goal.figure,
-            "unit": goal.unit,
+            **{name: getattr(goal, name) for name in ("figure", "unit", "score")},
             "maximise": goal.sign > 0.0,
-            "score": goal.score,
             "limits": dict(goal.limits),
             "at_least": dict(goal.at_least),
             "default_limits": list(goal.assumed),
@@ -152,19 +145,17 @@ class Optimum(OneLine):
             "beyond_limits": self.beyond or None,
             **{name: self.run.summary()[name] for name in ("airborne_fraction", "notes")},
             **{name: getattr(self, name) for name in ("active", "values", "runs", "seed")},
-            **{name: getattr(self, name) for name in ("interrupted", "seconds")},
         }
 
     def save(self, out: str | PathLike[str]) -> list[str]:
         """Write the best drive and its figure into a folder, which is made: all or none.
 
-        ``best.toml`` is an ordinary scenario, ``best.csv`` the voltages of a free waveform,
-        ``best.map.json`` the field of ``coil.map``, ``best.accelerations.csv`` those of a shake,
-        ``best.forces.csv`` those on an inner mass, and ``best.png`` is `figure`. Return their
-        names. An OSError says that one cannot be written.
+        ``best.toml`` is an ordinary scenario, with the files that it names: ``best.csv`` has the
+        voltages of a free waveform. ``best.png`` is `figure`. Return the names of all. An OSError
+        says that one cannot be written.
         """
         folder = Path(out)
-        comments = [self.beyond] if self.beyond else []
+        comments = [*filter(None, [self.beyond])]
         writers = scenario_writers(self.scenario, folder / "best.toml", comments, "csv")
         writers[folder / "best.png"] = functools.partial(self.figure().savefig, dpi=150)
         folder.mkdir(parents=True, exist_ok=True)

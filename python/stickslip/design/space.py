@@ -41,28 +41,22 @@ class Space:
     """The free values of the scenario `start`.
 
     `words` has the choices of each free word, that of the start first. `ranges` has low and high of
-    each free number, the knots of a waveform last. `coils` are those of a waveform of `knots` knots
-    each; 0 for none.
-
-    A point has a coordinate for each word, its place among the choices, and then one for each
-    number, 0 to 1 along its range.
+    each free number, the knots of a waveform last. `columns` are the coils of a waveform of `knots`
+    knots each; 0 for none. A point has a coordinate for each word, its place among the choices, and
+    then one for each number, 0 to 1 along its range.
     """
 
     start: Scenario
     words: Mapping[str, Sequence[Value]]
     ranges: Mapping[str, tuple[float, float]]
     knots: int = 0
-    coils: tuple[str, ...] = ()
+    columns: Sequence[int] = ()
 
     @property
     def bounds(self) -> list[tuple[float, float]]:
         """Lowest and highest of each coordinate."""
         places = [(0.0, len(choices) - 1.0) for choices in self.words.values()]
         return places + [(0.0, 1.0)] * len(self.ranges)
-
-    @property
-    def _columns(self) -> list[int]:
-        return [COIL_NAMES.index(coil) for coil in self.coils]
 
     def starts(self) -> Array:
         """Return the start with each combination of words as points, a row each, its own first.
@@ -78,7 +72,7 @@ class Space:
                 drive = scenario.drive
                 times = drive.ramp + np.arange(self.knots) / (self.knots * drive.frequency)
                 volts = drive_waveform(scenario).voltages(times)
-                numbers += volts[:, self._columns].T.ravel().tolist()
+                numbers += volts[:, self.columns].T.ravel().tolist()
             pairs = zip(self.ranges.values(), numbers, strict=True)
             rows.append([*places, *(_coordinate(*pair) for pair in pairs)])
         return np.array(rows, dtype=float)
@@ -96,15 +90,14 @@ class Space:
     def changes(self, values: Values) -> dict[str, Any]:
         """Return the arguments of ``Scenario.replace`` for values by name.
 
-        Where the frequency is free, there are as many pulses as take the start's time: of drives
-        that are equally long the rise to the first pulse is the same part. Where a waveform is
-        free, any drive is played as a program: a program is measured over all of it, and a pulsed
-        drive after its third pulse only.
+        Where the frequency is free, pulses take the start's time: of drives that are equally long
+        the rise to the first pulse is the same part. Where a waveform is free, any drive is played
+        as a program, which is measured over all of it, a pulsed drive after its third pulse only.
         """
         keys = {name: value for name, value in values.items() if " " not in name}
         if "drive.frequency" in keys:
-            drive = self.start.drive
-            pulses = round(drive.pulses * float(keys["drive.frequency"]) / drive.frequency)
+            per_hertz = self.start.drive.pulses / self.start.drive.frequency
+            pulses = round(per_hertz * float(keys["drive.frequency"]))
             keys["drive.pulses"] = max(STEADY_PULSES, pulses)
         if not self.knots:
             return keys
@@ -122,7 +115,7 @@ class Space:
         """
         drive = scenario.drive
         period = np.zeros((self.knots + 1, len(COIL_NAMES)))
-        period[:-1, self._columns] = volts.reshape(len(self.coils), -1).T
+        period[:-1, self.columns] = volts.reshape(len(self.columns), -1).T
         period[-1] = period[0]
         pulses = (np.linspace(0.0, 1.0 / drive.frequency, self.knots + 1), period, drive.pulses)
         rise = ([0.0, drive.ramp], [np.zeros(len(COIL_NAMES)), period[0]], 1)
@@ -130,18 +123,19 @@ class Space:
 
 
 def _coordinate(ends: tuple[float, float], value: float) -> float:
-    low, high = ends
-    inside = min(max(value, low), high)
-    if 0.0 < _DECADE * low <= high:
-        return math.log(inside / low) / math.log(high / low)
-    return (inside - low) / (high - low)
+    inside = min(max(value, ends[0]), ends[1])
+    low, at, high = map(math.log if _is_wide(ends) else float, (ends[0], inside, ends[1]))
+    return (at - low) / (high - low)
 
 
-def _number(ends: tuple[float, float], coordinate: float) -> float:
+def _number(ends: tuple[float, float], part: float) -> float:
     low, high = ends
-    bent = 0.0 < _DECADE * low <= high
-    value = low * (high / low) ** coordinate if bent else low + coordinate * (high - low)
+    value = low * (high / low) ** part if _is_wide(ends) else low + part * (high - low)
     return min(max(value, low), high)  # no rounding past an end
+
+
+def _is_wide(ends: tuple[float, float]) -> bool:
+    return 0.0 < _DECADE * ends[0] <= ends[1]
 
 
 def make_space(
@@ -155,14 +149,14 @@ def make_space(
     if not free and knots is None:
         raise ScenarioError("nothing is free: allowed are keys with a range, or knots, or both")
     by_name = Changes(free)
-    names: tuple[str, ...] = ()
+    columns: list[int] = []
     if knots is None:
         refuse_sawtooth(scenario.drive.mode, by_name)
         if either_way and scenario.drive.kind == "sawtooth":
             by_name = Changes({"drive.direction": ["+x", "-x"], **by_name})
     else:
         _check_waveform(scenario, by_name, knots, volts)
-        names = tuple(COIL_NAMES[k] for k in coil_places(coils))
+        columns = coil_places(coils)
     ranges: dict[str, tuple[float, float]] = {}
     words: dict[str, list[Value]] = {}
     for key, given in by_name.items():
@@ -173,9 +167,10 @@ def make_space(
         else:
             ranges[key] = _range(key, given)
     most = volts or 0.0  # used with knots alone, and above 0 then
-    for coil in names:
-        ranges |= {f"{coil} {k}": (-most, most) for k in range(1, (knots or 0) + 1)}
-    return Space(scenario, words, ranges, knots or 0, names)
+    for column in columns:
+        names = (f"{COIL_NAMES[column]} {k}" for k in range(1, (knots or 0) + 1))
+        ranges |= dict.fromkeys(names, (-most, most))
+    return Space(scenario, words, ranges, knots or 0, columns)
 
 
 def _range(key: str, given: Any) -> tuple[float, float]:
