@@ -73,10 +73,12 @@ CASES = {
     "cart": "diagnosed", "heater": "diagnosed", "rollers": "result", "tumbler": "result",
 }  # fmt: skip
 CHANGES = {
-    "oiled": ("joint_oiled.csv", True, False), "friction not stated": ("joint_oiled.csv", False, False),
-    "nothing": ("joint.csv", True, False), "oiled, other inputs": ("joint_oiled.csv", True, True),
+    "oiled": ("joint_oiled.csv", True, False),
+    "friction not stated": ("joint_oiled.csv", False, False),
+    "nothing": ("joint.csv", True, False),
+    "oiled, other inputs": ("joint_oiled.csv", True, True),
     "nothing, other inputs": ("joint.csv", False, True),
-}  # fmt: skip
+}
 """Log after, whether dry friction is stated, and whether the halves of the logs are compared."""
 _X = np.linspace(1.0, 3.0, 30)
 _WAVE, _STEP, _BEND, _ = toys.shapes(_X).values()
@@ -142,11 +144,15 @@ def _change(after: str, is_stated: bool, halves: bool, _: int) -> Diagnosis:
     one, other = (models.read_log(ROOT / "examples" / name, joint) for name in ("joint.csv", after))
     half = len(one.t) // 2
     rows = (slice(half), slice(half, None)) if halves else (slice(None), slice(None))
-    noise = 0.02 * np.random.default_rng(3).standard_normal(len(other.t)) * (after == "joint.csv")
-    return diagnose_change(joint, *(
-        Series(log.t[part], y[part], {"torque": log.inputs["torque"][part]}, name=name, unit="rad/s")
-        for log, y, part, name in zip((one, other), (one.y, other.y + noise), rows, "ab", strict=True)
-    ))  # fmt: skip
+    noise = 0.02 * np.random.default_rng(3).standard_normal(len(other.t))
+    readings = one.y, other.y + noise * (after == "joint.csv")
+    sides = [
+        Series(
+            log.t[part], y[part], {"torque": log.inputs["torque"][part]}, name=name, unit="rad/s"
+        )
+        for log, y, part, name in zip((one, other), readings, rows, "ab", strict=True)
+    ]
+    return diagnose_change(joint, *sides)
 
 
 def _toy(seed: int, extra: float | np.ndarray, _: int) -> Diagnosis:

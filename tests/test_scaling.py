@@ -96,15 +96,15 @@ EXAMPLES = Path(__file__).parents[1] / "examples"
 JOINT = models.joint(inertia=(0.012, 0.0005), viscous=(0.02, 0.01))
 
 
-def log(name):
+def log(name="joint.csv"):
     return models.read_log(EXAMPLES / name, JOINT)
 
 
 RESULTS = {
     "run": lambda: simulate(Scenario(drive=Drive(pulses=5))),
     "sweep": lambda: sweep(Scenario(drive=Drive(pulses=5)), {"drive.frequency": [50.0, 100.0]}),
-    "diagnosis of a log": lambda: diagnose_model(JOINT, log("joint.csv")),
-    "diagnosis of a change": lambda: diagnose_change(JOINT, log("joint.csv"), log("joint_oiled.csv")),
+    "diagnosis of a log": lambda: diagnose_model(JOINT, log()),
+    "diagnosis of a change": lambda: diagnose_change(JOINT, log(), log("joint_oiled.csv")),
     "diagnosis of a walker": lambda: diagnose(
         read_measurement(EXAMPLES / "measurement.toml"), threads=1
     ),
@@ -112,7 +112,7 @@ RESULTS = {
 
 
 @pytest.mark.parametrize("name", RESULTS)
-@pytest.mark.daily("run", "sweep", "diagnosis of a log", "diagnosis of a change")
+@pytest.mark.daily("run", "sweep", "diagnosis of a log")
 def test_a_result_is_freed_with_its_last_reference(name):
     """Its arrays do not wait for the collector of cycles, which few large objects do not call."""
 
