@@ -9,18 +9,7 @@ import pytest
 
 import stickslip.design.optimise as module
 from helpers import HELD
-from measured_maps import formula_map, with_map
-from stickslip import (
-    Coils,
-    Drive,
-    Scenario,
-    ScenarioError,
-    Waveform,
-    load,
-    optimise,
-    simulate,
-    simulate_batch,
-)  # fmt: skip
+from stickslip import Coils, Drive, Scenario, ScenarioError, load, optimise, simulate
 from stickslip.design.goal import DRAGGED, make_goal
 from stickslip.design.space import make_space
 from stickslip.scenario.waveform import drive_waveform, volts_per_tesla
@@ -44,6 +33,7 @@ SAWTOOTH = {
 def batches(monkeypatch):
     """The scenarios of every batch; Ctrl-C comes in the batch of that index, if it is set."""
     judged = SimpleNamespace(all=[], ctrl_c=None)
+    simulate_batch = module.simulate_batch
 
     def recorded(scenarios, *more):
         judged.all.append(list(scenarios))
@@ -127,29 +117,10 @@ def test_a_seed_gives_the_same_bits_on_any_number_of_threads(more):
     assert one.scenario == two.scenario != other.scenario
 
 
-def test_limits_hold_in_every_draw_of_the_search():
-    start = START.with_uncertain(RESISTANCE)
-    limits = {"field_max": 2.2e-3, "power_mean": 15.0, "pull_share": 0.25}
-    free = {"drive.peak": (1e-3, 4e-3), "drive.base": (0.0, 2e-3), "drive.hold": (0.2e-3, 3e-3)}
-    found = optimise(start, maximise="mean_velocity", free=free, limits=limits, seed=3, **LITTLE)
-    draws = module._draw(start, LITTLE["draws"], [3, 0])
-    for draw in draws:
-        summary = simulate(draw.replace({**found.values, "record.pull_share": "yes"})).summary()
-        assert all(summary[name] <= limit for name, limit in limits.items())
-
-
-@pytest.mark.parametrize(
-    "robot",
-    [pytest.param({}, id="default", marks=pytest.mark.nightly), pytest.param(HOPPER, id="hopper")],
-)
-def test_the_drive_that_is_written_walks(robot, tmp_path):
-    start = Scenario(drive=Drive(pulses=12)).replace(robot)
-    walk, hop = (
-        optimise(
-            start, maximise="mean_velocity", free=SAWTOOTH, evaluations=200, allow_flight=flight
-        )
-        for flight in (False, True)
-    )
+def test_the_drive_that_is_written_walks(tmp_path):
+    start = Scenario(drive=Drive(pulses=12)).replace(HOPPER)
+    given = {"maximise": "mean_velocity", "free": SAWTOOTH, "evaluations": 200}
+    walk, hop = (optimise(start, allow_flight=flight, **given) for flight in (False, True))
     assert {*walk.save(tmp_path)} == {each.name for each in tmp_path.iterdir()}
     run = simulate(load(tmp_path / "best.toml"))
     summary = run.summary()
@@ -158,72 +129,40 @@ def test_the_drive_that_is_written_walks(robot, tmp_path):
     assert run.mean_velocity == walk.table["score"]["best"] > 0.0
     # Else the limits would not matter.
     assert hop.run.summary()["airborne_fraction"] > 0.2
-    assert not robot or "it hops and does not walk" in hop.summary()
+    assert "it hops and does not walk" in hop.summary()
 
 
-@pytest.mark.parametrize(
-    "robot",
-    [
-        {},
-        {"coil.side": 40e-3, "coil.distance": 30e-3},
-        {"coil.side": 80e-3, "coil.distance": 50e-3, "coil.turns": 300},
-    ],
-    ids=["default", "near coils", "large coils"],
-)
-def test_no_drive_drags_unless_that_is_allowed(robot):
-    start = START.replace({"drive.peak": 4e-3, **robot}).with_uncertain(SURFACE)
+@pytest.mark.parametrize("coils", [{}, {"coil.side": 40e-3, "coil.distance": 30e-3}])
+def test_no_drive_drags_unless_that_is_allowed(coils):
+    start = START.replace({"drive.peak": 4e-3, **coils}).with_uncertain(SURFACE)
     free = {"drive.peak": (1.1e-3, 8e-3), "drive.base": (-1e-3, 1e-3)}
-    walk, drag = (
-        optimise(
-            start,
-            maximise="mean_velocity",
-            free=free,
-            allow_pull=pull,
-            draws=3,
-            fresh=5,
-            evaluations=300,
-        )
-        for pull in (False, True)
-    )
+    given = {"maximise": "mean_velocity", "free": free, **LITTLE, "evaluations": 300}
+    walk, drag = (optimise(start, allow_pull=pull, **given) for pull in (False, True))
     for draw in module._draw(start, 3, [0, 0]):  # those of the search
         run = simulate(draw.replace({**walk.values, "record.pull_share": "yes"}))
         assert run.pull_share <= DRAGGED["pull_share"]
     assert walk.run.pull_share < 0.5 < 1.0 < drag.run.pull_share
-    for found, noted in ((walk, set()), (drag, {"dragged"})):
-        assert {"dragged", "pulled"} & {note.code for note in found.run.notes} == noted
+    assert "dragged" in {note.code for note in drag.run.notes}
 
 
 def test_the_better_way_is_found_where_the_direction_is_not_stated():
     # It slides back: test_run_notes.py.
     start = START.replace({"drive.mode": "OPP", "drive.peak": 1.5e-3, "drive.frequency": 60.0})
-    free = {"drive.hold": (0.8e-3, 1.2e-3)}
-    either, forward, along = (
-        optimise(start, maximise=figure, free={**free, **words}, **LITTLE)
-        for figure, words in (
-            ("mean_velocity", {}),
-            ("mean_velocity", {"drive.direction": ["+x"]}),
-            ("velocity_along", {}),
-        )
-    )
+    free, words = {"drive.hold": (0.8e-3, 1.2e-3)}, {"drive.direction": ["+x"]}
+    either = optimise(start, maximise="mean_velocity", free=free, **LITTLE)
     assert either.values["drive.direction"] == "-x"
     assert either.run.mean_velocity > 0.0 > either.run.velocity[0]
-    for found in (forward, along):
-        assert found.scenario.drive.direction == "+x"
-        assert found.run.mean_velocity < 0.0
+    for figure, stated in (("mean_velocity", words), ("velocity_along", {})):
+        forward = optimise(start, maximise=figure, free={**free, **stated}, **LITTLE)
+        assert forward.run.mean_velocity < 0.0
 
 
-def test_the_limits_of_walking_are_stated_replaced_and_removed():
-    found, own, without = (
-        optimise(START, **WALK, **LITTLE, **more).as_dict()
-        for more in ({}, {"limits": {"airborne_fraction": 0.5}}, {"allow_flight": True})
-    )
-    assert found["limits"] == {"airborne_fraction": 0.2, "tilt_max": 1.5, **DRAGGED}
-    assert found["default_limits"] == ["airborne_fraction", "tilt_max", "pull_share"]
+def test_the_limits_of_walking_are_replaced_and_removed():
+    own = optimise(START, **WALK, **LITTLE, limits={"airborne_fraction": 0.5}).as_dict()
     assert own["limits"] == {"airborne_fraction": 0.5, "tilt_max": 1.5, **DRAGGED}
     assert own["default_limits"] == ["tilt_max", "pull_share"]
-    assert without["limits"] == DRAGGED
     still = START.replace({"inner.mass": 1e-9})  # of which no share is known
-    assert "pull_share" not in optimise(still, **WALK, **LITTLE).as_dict()["limits"]
+    assert optimise(still, **WALK, **LITTLE, allow_flight=True).as_dict()["limits"] == {}
 
 
 @pytest.mark.parametrize(
@@ -251,9 +190,8 @@ def test_where_no_drive_is_allowed_the_nearest_is_told(robot, more, words):
 def test_a_weaker_drive_that_still_walks_is_found():
     free, least = {"drive.peak": (0.6e-3, 3e-3)}, {"mean_velocity": 1e-3}
     found = optimise(START, minimise="current_max", free=free, at_least=least, evaluations=60)
-    walk, start = found.run.summary(), simulate(START).summary()
-    assert walk["mean_velocity"] >= 1e-3
-    assert walk["current_max"] < 0.9 * start["current_max"]
+    assert found.run.mean_velocity >= 1e-3
+    assert found.table["score"]["best"] < 0.9 * found.table["score"]["start"]
 
 
 def test_a_drive_beyond_its_limits_is_never_written_without_saying_so(tmp_path):
@@ -285,8 +223,6 @@ def test_a_free_waveform_is_faster_than_its_sawtooth_and_is_the_program_that_was
     times = START.drive.ramp + period * (2 + np.arange(3) / 3)
     asked = found.scenario.drive.program.voltages(times)
     assert asked[:, 0] == pytest.approx(knots)
-    closing = found.scenario.drive.program.voltages([times[-1] + period / 6])[0, 0]
-    assert closing == pytest.approx((knots[-1] + knots[0]) / 2)
     assert not asked[:, 1:4].any()  # no coil is driven but those that are named
 
 
@@ -307,7 +243,6 @@ def test_ctrl_c_keeps_the_best_so_far(batches):
         optimise(START, **{**WALK, "evaluations": 90})
     found = interrupt.value.best
     tried = [each for batch in batches.all[:2] for each in batch]
-    assert found.interrupted
     assert found.runs == len(tried)
     runs = [simulate(each.replace({"record.pull_share": "yes"})) for each in tried]
     best = max(each.mean_velocity for each in runs if each.pull_share <= DRAGGED["pull_share"])
@@ -323,26 +258,35 @@ def test_ctrl_c_before_a_drive_within_the_limits_was_found_has_no_best(batch, li
     assert interrupt.value.best is None
 
 
-@pytest.mark.parametrize("fields", ["x", "x, event"])
-def test_the_picture_has_all_that_it_draws_whatever_the_start_records(fields):
-    start = START.replace({"record.fields": fields})
-    found = optimise(start, **WALK, evaluations=1, limits={"field_max": 4e-3})
-    volts, field = found.figure().axes
+def test_the_picture_has_all_that_it_draws_whatever_the_start_records():
+    start = START.replace({"record.fields": "x"})
+    volts, field = optimise(start, **WALK, evaluations=1, limits={"field_max": 4e-3}).figure().axes
     assert [each.get_label() for each in volts.get_lines()] == ["coil xp", "coil clamp"]
     assert [each.get_label() for each in field.get_lines()] == ["$B_x$", "$B_z$", "$|B|$", "limit"]
     assert field.get_lines()[-1].get_ydata()[0] == 4.0  # mT
 
 
-def test_a_map_is_written_with_the_best_drive(tmp_path):
-    start = with_map(formula_map()).replace({"drive.base": 0.5e-3, "drive.pulses": 6})
-    found = optimise(start, maximise="mean_velocity", free={"drive.edge": ["rise", "fall"]})
-    assert found.runs == 4  # either way
-    assert {*found.save(tmp_path)} == {"best.toml", "best.map.json", "best.png"}
-    again = simulate(load(tmp_path / "best.toml"))
-    assert again.mean_velocity == found.table["score"]["best"]
-
-
 # Parts: the goal, the space.
+
+
+def test_failures_rank_behind_what_exceeds_a_limit_and_that_behind_what_does_not():
+    speed, field = "mean_velocity", "field_max"
+    goal = make_goal(None, "power_mean", "worst", {speed: 5.0}, {}, {speed: 2.0, field: 0.0})
+    # The figure, the speed for both its limits, the field; one draw of two counts.
+    fine, weak = [5.0, 3.0, 3.0, 1.0], [4.0, 3.0, 3.0, 1.0]
+    slow, fast = [1.0, 1.5, 1.5, 1.0], [1.0, 6.0, 6.0, 0.0]
+    drives = [[fine, fine], [fine, slow], [fast, fine], [weak, [math.nan] * 4], [weak, weak]]
+    table = goal.table(np.array(drives))
+    assert table["exceeding"].tolist() == [0, 1, 1, 1, 0]
+    assert table["failed"].tolist() == [0, 0, 0, 1, 0]
+    assert table["excess"].drop(3).tolist() == pytest.approx([0.0, 0.25, 0.2, 0.0])
+    assert table["mean_velocity_least"].drop(3).tolist() == [3.0, 1.5, 3.0, 3.0]
+    assert np.argsort(goal.costs(table)).tolist() == [4, 0, 2, 1, 3]
+    assert [goal.exceeded(table.loc[k]) for k in range(3)] == [
+        [],
+        ["mean_velocity 1.5 of at least 2 m/s"],
+        ["mean_velocity 6 of 5 m/s"],
+    ]
 
 
 @pytest.mark.parametrize(
@@ -360,42 +304,6 @@ def test_a_score_is_on_the_bad_side(score, maximised, minimised):
     assert goal.table(values)["worst"][0] == 10.0
 
 
-def test_failures_rank_behind_what_exceeds_a_limit_and_that_behind_what_does_not():
-    goal = make_goal("mean_velocity", None, "worst", {"voltage_max": 26.0}, {})
-    back = Waveform.hold(0.1, {"yp": 20.0}) + Waveform.hold(0.2, {"yp": -20.0})
-    drives = [
-        {"drive.mode": "program", "drive.program": back},  # the heading is lost
-        {"drive.peak": 4e-3},
-        {"drive.peak": 3e-3},
-        {"drive.peak": 2.4e-3},
-        {"drive.peak": 2.4e-3, "drive.base": 2.4e-3},  # does not move
-    ]
-    runs = simulate_batch([START.replace(each) for each in drives])
-    table = goal.table(np.array([[goal.numbers(run)] for run in runs]))
-    assert table["exceeding"].tolist() == [1, 1, 1, 0, 0]
-    assert table["failed"].tolist() == [1, 0, 0, 0, 0]
-    assert np.argsort(goal.costs(table)).tolist() == [3, 4, 2, 1, 0]
-
-
-def test_a_least_value_is_a_limit_from_below():
-    speed, field = "mean_velocity", "field_max"
-    goal = make_goal(None, "power_mean", "worst", {speed: 5.0}, {}, {speed: 2.0, field: 0.0})
-    # The figure, the speed for both its limits, the field; one draw of two counts.
-    fine, slow, fast = [5.0, 3.0, 3.0, 1.0], [1.0, 1.5, 1.5, 1.0], [1.0, 6.0, 6.0, 0.0]
-    table = goal.table(np.array([[fine, fine], [fine, slow], [fast, fine], [fine, [math.nan] * 4]]))
-    assert table["exceeding"].tolist() == [0, 1, 1, 1]
-    assert table["failed"].tolist() == [0, 0, 0, 1]
-    assert table["excess"][:3].tolist() == pytest.approx([0.0, 0.25, 0.2])
-    assert table["mean_velocity_least"][:3].tolist() == [3.0, 1.5, 3.0]
-    assert table[speed][:3].tolist() == [3.0, 3.0, 6.0]
-    assert np.argsort(goal.costs(table)).tolist() == [0, 2, 1, 3]
-    assert [goal.exceeded(table.loc[k]) for k in range(3)] == [
-        [],
-        ["mean_velocity 1.5 of at least 2 m/s"],
-        ["mean_velocity 6 of 5 m/s"],
-    ]
-
-
 @pytest.mark.parametrize(
     "changes", [{"drive.direction": "+x"}, {"drive.direction": "-x"}, {"drive.coils": "pairs"}]
 )
@@ -406,27 +314,13 @@ def test_a_pulsed_drive_is_the_same_as_a_program(changes):
     assert simulate(program).final_state == simulate(start).final_state
 
 
-@pytest.mark.parametrize("pulses", [1, 6])
-def test_drives_of_any_frequency_are_equally_long_but_for_the_start_up(pulses):
-    start = START.replace({"drive.pulses": pulses})
-    space = space_of({"drive.frequency": (5.0, 500.0), "drive.hold": (1e-3, 2e-3)}, start)
-    for place in (0.0, 0.5, 1.0):
-        made = START.replace(space.changes(space.values(np.array([place, 0.5])))).drive
+def test_drives_of_any_frequency_are_equally_long_but_for_the_start_up():
+    space = space_of({"drive.frequency": (10.0, 1000.0)})  # of two decades, in its logarithm
+    for place, frequency in ((0.0, 10.0), (0.5, 100.0), (1.0, 1000.0)):
+        made = START.replace(space.changes(space.values(np.array([place])))).drive
+        assert made.frequency == pytest.approx(frequency)
         # The speed is measured after the third pulse.
-        assert made.pulses == max(4, round(pulses * made.frequency / START.drive.frequency))
-    fixed = space_of({"drive.hold": (1e-3, 2e-3)})
-    assert "drive.pulses" not in fixed.changes(fixed.values(np.array([0.5])))
-
-
-def test_a_range_of_a_decade_is_searched_in_its_logarithm():
-    space = space_of({"drive.frequency": (10.0, 1000.0), "drive.hold": (1e-3, 5e-3)})
-    assert space.values(np.array([0.5, 0.5])) == pytest.approx(
-        {"drive.frequency": 100.0, "drive.hold": 3e-3}
-    )
-    assert space.values(np.zeros(2)) == {"drive.frequency": 10.0, "drive.hold": 1e-3}
-    assert space.values(np.ones(2)) == {"drive.frequency": 1000.0, "drive.hold": 5e-3}
-    # The start: 100 Hz, and a hold at the lower end of its range.
-    assert space.starts()[0] == pytest.approx([0.5, 0.0])
+        assert made.pulses == max(4, round(6 * frequency / START.drive.frequency))
 
 
 def test_a_free_waveform_begins_with_each_sawtooth_of_the_words():
