@@ -272,13 +272,6 @@ def test_a_slide_downhill_is_no_walk():
     assert codes(run_of({**held, "drive.pulses": 20})) == ["rest"]
 
 
-def test_a_robot_at_rest_by_what_effects_change_has_a_reason_that_was_tried():
-    still = {"drive.pulses": 5, "drive.peak": 1e-5, "drive.base": 0.0, "drive.hold": 1e-5}
-    for effect in ("surface_tilt.angle", "adhesion_ageing.rate", "angle_drag.strength"):
-        run = run_of({**still, f"effects.{effect}": 0.1})
-        assert [code for code in codes(run) if code.startswith("rest")] == ["rest-torque"]
-
-
 def test_sound_scenarios_get_none():
     """About the paper's, driven by pairs of coils: 300 that walk or creep."""
     random = np.random.default_rng(46)

@@ -158,12 +158,6 @@ def test_a_finished_file_is_read_and_left_alone(tmp_path):
     assert seen == [(1.0, "simulating")]
 
 
-def test_lists_resume_too(tmp_path):
-    rows = [{"drive.frequency": f} for f in np.linspace(20.0, 200.0, 40)]
-    begin(tmp_path / "a.nc", vary=rows)
-    assert_resumes(tmp_path / "a.nc", sweep(SLOW, rows), vary=rows)
-
-
 def test_predictions_resume_from_the_file_of_their_draws(tmp_path):
     path = tmp_path / "a.nc"
     prior = JointPrior({}, ("coil.resistance", "drag.linear"), ((0.25, 2.5e-7), (2.5e-7, 1e-12)))

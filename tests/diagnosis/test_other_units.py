@@ -56,9 +56,7 @@ JOINT = models.joint(inertia=J, viscous=B)
         ({"time": 1e3}, 'time were in ms: write "time (ms)"'),
         ({"time": 1.0 / 60.0}, 'time were in min: write "time (min)"'),
         ({"speed": RPM}, 'speed were in rpm: write "speed (rpm)"'),
-        ({"speed": 180.0 / np.pi}, 'speed were in deg/s: write "speed (deg/s)"'),
         ({"torque": 1e3}, 'torque were in mN m: write "torque (mN m)"'),
-        ({"torque": 100.0}, 'torque were in N cm: write "torque (N cm)"'),
     ],
 )
 @pytest.mark.daily("times2")

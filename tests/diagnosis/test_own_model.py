@@ -54,18 +54,6 @@ def test_texts_tell_conditions_apart_and_have_no_place():
     assert Table({"oil": ["a", "b"]}, [1.0, 2.0], sd=0.1).places is None
 
 
-@pytest.mark.parametrize(
-    "settings",
-    [{"x": X, "k": np.arange(12)}, pd.DataFrame({"x": X, "k": np.arange(12)}),
-     np.column_stack([X, np.arange(12)]), [{"x": x, "k": k} for k, x in enumerate(X)]],
-    ids=["mapping", "DataFrame", "array", "rows"],
-)  # fmt: skip
-def test_settings_are_given_in_any_usual_way(settings):
-    table = Table(settings, X, sd=0.1)
-    assert table.condition.tolist() == list(range(12))
-    assert table.places == pytest.approx(np.column_stack([X, np.arange(12)]))
-
-
 def test_the_error_is_that_of_repeats_if_it_is_not_stated():
     random = np.random.default_rng(0)
     table = Table({"x": np.repeat(X, 10)}, np.repeat(X, 10) + 0.3 * random.standard_normal(120))
