@@ -20,14 +20,11 @@ from stickslip.errors import ScenarioError, prefixed
     "optimise",
     help="""Find the drive of a SCENARIO (a TOML file) that is best under limits.
 
-    Uncertain parameters are drawn, the same draws for every drive, and a limit has to hold in all
-    of them. The drive has to walk: at most 20 % of the time in flight, never upright, and pulled
-    by the gradient with at most 40 % of what friction could hold, unless --allow-flight,
-    --allow-pull or a limit of yours says otherwise. The result is compared with the start on fresh
-    draws. Without uncertain parameters the scenario is the one draw.
-
-    Fields of the drive, such as drive.peak, are those of a voltage held for ever; in a fast pulse
-    the field stays far below. To limit the field, limit field_max.
+    Uncertain parameters are drawn, and a limit has to hold in all draws. The drive has to walk: at
+    most 20 % of the time in flight, never upright, and pulled by the gradient with at most 40 % of
+    what friction could hold, unless --allow-flight, --allow-pull or a limit of yours says
+    otherwise. The result is compared with the start on fresh draws. To limit the field, limit
+    field_max, which a fast drive.peak does not reach.
 
     Ctrl-C ends the search, and writes the best so far.
     """,
@@ -35,15 +32,15 @@ from stickslip.errors import ScenarioError, prefixed
 Examples:
   stickslip optimise scenario.toml --maximise mean_velocity --limit voltage_max=26 \\
     --free drive.frequency=5:300 --free drive.base=-2e-3:2e-3 --free drive.edge=rise,fall
-  stickslip optimise scenario.toml --maximise mean_velocity --limit voltage_max=26 \\
-    --knots 12 --coils xp,clamp --free drive.frequency=50:300 --out best""",
+  stickslip optimise best/best.toml --maximise mean_velocity --limit voltage_max=26 \\
+    --knots 12 --coils xp,clamp --free drive.frequency=50:300 --out wave""",
 )
 @click.argument("scenario", type=options.PATH)
 @click.option(
     "--maximise",
     metavar="FIGURE",
-    help="A number of the summary, as large as may be. mean_velocity is along x, for which both "
-    "directions of a sawtooth are tried; velocity_along is along the heading of the drive.",
+    help="A number of the summary, as large as may be: mean_velocity along x, for which both "
+    "directions of a sawtooth are tried, velocity_along the heading of the drive.",
 )
 @click.option("--minimise", metavar="FIGURE", help="The same, as small as may be.")
 @options.pairs(
