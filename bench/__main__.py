@@ -16,7 +16,7 @@ PROGRAMS = {
     "speed": ("speed", "both integrators at equal accuracy"),
     "sweep": ("sweep", "sweeps: cost of a run and of a point, threads"),
     "against": ("against", "this version beside an earlier commit (against COMMIT)"),
-    "golden": ("golden", "whether the diagnosis says of 154 problems what it said before"),
+    "golden": ("golden", "whether the diagnosis says of stored problems what it said before"),
     "paper": ("paper", "the paper's simulations redone, its statements tested, its figures"),
     "rules": ("rules", "which rules of the diagnosis decide anything"),
     "peers": ("peers", "SciPy, heyoka, MuJoCo and magpylib at equal accuracy"),

@@ -18,7 +18,7 @@ WINGS = {
     "common": _package(r"_util/.*|errors"),
     "simulator": _package(r"(scenario|field|simulation|sweeping|plot)/.*"),
     "applications": _package(r"(design|control)/.*"),
-    "paper": rf"{_package(r'reproduction/.*')}|bench/paper/.*\.py",
+    "paper": r"bench/paper/.*\.py",
     "diagnosis": _package(r"diagnosis/.*"),
     "machines": rf"{_package(r'(models|machines)/.*')}|cpp/machines/.*\.[hc]pp",
     "walker": _package(r"walker/.*"),

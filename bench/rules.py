@@ -94,7 +94,8 @@ def of_decision() -> dict[str, list[Patch]]:
 
 def of_search() -> dict[str, list[Patch]]:
     """The rules of search and noise, each off."""
-    search, models, forms = (_module(f"fitting.{name}") for name in ("search", "models", "forms"))
+    names = "search", "models", "law_forms", "forms"
+    search, models, laws, forms = (_module(f"fitting.{name}") for name in names)
     none: Callable[..., None] = lambda *_, **__: None  # noqa: E731
     values = {
         "second scan": {"doubtful": 0.0}, "fits from rivals' constants": {"rivals": 0},
@@ -117,7 +118,9 @@ def of_search() -> dict[str, list[Patch]]:
         "promise of a neighbour": [(search, "_may_improve", lambda *_: True)],
         "forms of a law": [(pipeline, "with_forms", lambda each: each)],
         "smaller amplitudes of the leader": [(options.SMOOTH, "smaller", ())],
-        "central slopes": [(models, "sharpened", lambda problem, form, old: _kept(old))],
+        "central slopes": [
+            (module, "sharpened", unsharpened) for module in (pipeline, search, laws)
+        ],
     }
     every = forms.forms
     for gone in [each for each in forms.PRIOR if each != "exact"]:
@@ -129,7 +132,8 @@ def of_search() -> dict[str, list[Patch]]:
     return rules
 
 
-def _kept(old: Any) -> Any:
+def unsharpened(_problem: Any, _form: Any, old: Any) -> Any:
+    """A fit as it is; a generator, as all that asks for predictions in batches."""
     return old
     yield
 
@@ -162,7 +166,8 @@ def keep(minutes: float) -> None:
             if not path.exists():
                 taken.clear()
                 PROBLEMS[name].diagnosed(1)
-                path.write_bytes(pickle.dumps(taken))
+                if taken:  # none of a problem of the data
+                    path.write_bytes(pickle.dumps(taken))
 
 
 def kept() -> dict[str, Any]:
@@ -215,6 +220,8 @@ def main() -> None:
         rules = of_decision() if options.step == "decide" else of_search()
         given, names = kept(), ASKED[:: math.ceil(len(ASKED) / SEARCHED)]
         ask = partial(retaken, given) if options.step == "decide" else partial(diagnosed, names)
+        if options.step == "decide" and len(given) < len(ASKED):
+            raise SystemExit(f"{len(given)} of {len(ASKED)} problems are kept: first `keep`")
         rows, before = stored.setdefault(options.step, {}), ask()
         stale = [name for name in rules if rows.get(name, {}).get("golden") != digest()]
         for name in until(options.minutes, stale if options.step == "search" else rules):

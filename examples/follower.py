@@ -94,9 +94,9 @@ class Follower:
     """Follows a path by the fields and coils of a scenario's drive; each pulse aims ahead.
 
     It expects the robot where the newest frame shows it, plus the pulses since then, and heads for
-    the point of the path one body length ahead. All pulses are alike, from ``drive.peak`` down to a
-    fifth of it within a period of the drive, with the field ``drive.hold`` of the clamp.
-    A ValueError says why a robot cannot be steered.
+    the point of the path one body length ahead. All pulses have one shape, from ``drive.peak`` down
+    to a fifth of it within a period of the drive, with the field ``drive.hold`` of the
+    clamp. A ValueError says why a robot cannot be steered.
     """
 
     def __init__(self, scenario: Scenario, path: Path) -> None:
@@ -189,7 +189,7 @@ class Followed:
     period : float
         s.
     arrived : bool
-        Whether it came to the end and was never lost: a body length from the path, or failed.
+        Whether it came to the end and was never lost, a body length from the path.
     across : numpy.ndarray
         Distance from the path after each pulse, m, to the one by which it was lost.
     """

@@ -7,8 +7,19 @@ import pandas as pd
 import pytest
 
 from made_measurement import few_causes
-from stickslip import Drive, Measurement, Prior, Scenario, diagnose, propose_experiments, simulate
+from stickslip import (
+    Drive,
+    Measurement,
+    Prior,
+    Scenario,
+    ScenarioError,
+    diagnose,
+    propose_experiments,
+    simulate,
+)
+from stickslip.diagnosis.terms.words import Vocabulary, Words
 from stickslip.walker import problem as measured
+from stickslip.walker.experiments import choose, tabulate
 
 PRIORS = {
     "contact.kinetic_friction": Prior("normal", 0.145, 0.01),
@@ -52,7 +63,7 @@ def test_a_zero_and_a_scale_are_separated_by_a_drive_and_its_reverse(twins):
     # zero alone adds at most 1 to the chi-square, as it is as uncertain as it is large.
     chi2, least = np.sum(table["separation"] ** 2), 3.0 * (0.03 * math.sqrt(2) / NOISE) ** 2
     assert 0.99 * least < chi2 < least + 1.0
-    assert table.attrs["alike"] == []
+    assert table.attrs["confounded"] == []
 
 
 def measure(truth, table, seed=3, trials=3):
@@ -72,19 +83,46 @@ def test_a_table_before_data_has_settings_and_what_the_stated_model_expects(few,
     expected = simulate(NOMINAL.replace(drive)).mean_velocity
     assert table.loc[0, "expected_stated"] == pytest.approx(expected, rel=1e-3)
     # A scale and a clock of a camera both multiply every velocity.
-    assert ("length_scale", "clock_scale") in table.attrs["alike"]
+    assert ("length_scale", "clock_scale") in table.attrs["confounded"]
     assert "with 3 trials" in table.loc[0, "why"]
     # Of noise there is less in more trials.
     rough, finer = (
         propose_experiments(BELIEVED, 6, noise=0.5, trials=n, threads=1) for n in (3, 1875)
     )
-    assert len(rough.attrs["alike"]) > len(table.attrs["alike"])
+    assert len(rough.attrs["confounded"]) > len(table.attrs["confounded"])
     assert finer[SETTINGS].equals(table[SETTINGS])
     # It is filled in as it is.
     table.assign(velocity=1e-3).to_csv(tmp_path / "next.csv", index=False)
     data = Measurement.from_dataframe(table[SETTINGS].assign(velocity=2e-3), NOMINAL, PRIORS)
     (_, new) = data.with_velocities(tmp_path / "next.csv").velocity
     assert len(new.conditions) == 6
+
+
+def test_a_robot_that_stands_still_has_no_drives_to_propose(few):
+    still = Scenario(drive=Drive(base=0.5e-3, peak=0.5e-3, pulses=6))
+    with pytest.raises(ScenarioError, match="stands still"):
+        propose_experiments(still, 3, threads=1)
+
+
+def test_every_row_has_what_differs_in_some_row(tmp_path):
+    """Drives of two modes with other numbers of pulses are measured as they are proposed."""
+    stated = NOMINAL.replace({"drive.mode": "OPP", "drive.pulses": 5})
+    paces = pd.DataFrame({"mode": ["IPP", "OPP"] * 4, "pulses": [6, 5] * 4, "frequency": [
+        20.0, 20.0, 40.0, 40.0, 60.0, 60.0, 80.0, 80.0]})  # fmt: skip
+    drives = [{f"drive.{name}": value for name, value in row.items()}
+              for row in paces.to_dict("records")]  # fmt: skip
+    level = [simulate(stated.replace(drive)).mean_velocity for drive in drives]
+    data = Measurement.from_dataframe(paces.assign(velocity=level), stated, PRIORS)
+    measured = data.velocity[0].conditions
+    chosen, _ = choose(
+        [dict(each) for each in measured], ["a", "b"],
+        (np.vstack([level[: len(measured)], np.zeros(len(measured))]),
+         np.zeros((2, len(measured), len(measured))), np.full(len(measured), 1e-10)),
+        [(0, 1)], 6,
+    )  # fmt: skip
+    table = tabulate(chosen, Words(Vocabulary()), stated)
+    assert len(set(table["pulses"])) == 2
+    assert not table["pulses"].isna().any()
 
 
 def test_a_constant_that_cannot_be_off_so_far_is_a_cause_all_the_same(few):

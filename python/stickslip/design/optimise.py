@@ -178,7 +178,7 @@ class _Search:
     def run(self) -> Optimum:
         """Search, choose among the leaders, and judge the best next to the start."""
         space = self.space
-        if space.knots:  # the start itself, which its knots only resemble
+        if space.holds_start:  # which its knots only resemble
             self._try([{}])
         search(
             space.bounds,
@@ -220,7 +220,7 @@ class _Search:
         nearest = self.tried.loc[self.tried["cost"].idxmin()]
         tried = f"{len(self.tried)} drives that were tried"
         if nearest["failed"]:
-            return f"a simulation fails of all {tried}; of the last: {self.message}"
+            return f"each of the {tried} fails in a simulation; of the last: {self.message}"
         exceeded = ", ".join(self.goal.exceeded(nearest))
         return (
             f"limits: none of the {tried} is within all in every draw; the nearest has {exceeded}"

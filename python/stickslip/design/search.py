@@ -43,7 +43,14 @@ def search(
     low, high = np.array(bounds).T
     random = np.random.default_rng(seed)
     size = min(_POPULATION, max(expected // _GENERATIONS, _FEWEST))
-    population = low + (high - low) * random.uniform(size=(size, len(low)))
+
+    def drawn() -> Array:
+        parts = random.uniform(size=(size, len(low)))
+        points = np.asarray(low + (high - low) * parts)
+        points[:, :words] = np.floor((high[:words] + 1.0) * parts[:, :words])  # each as often
+        return points
+
+    population = drawn()
     chosen = starts[random.integers(len(starts), size=int(near[0] * size))]
     chosen = chosen + near[1] * (high - low) * random.standard_normal(chosen.shape)
     population[: len(chosen)] = np.clip(chosen, low, high)
@@ -67,4 +74,4 @@ def search(
             )
         except RuntimeError as error:  # SciPy's, about an error of `costs`
             raise (error.__cause__ or error) from None
-        population = low + (high - low) * random.uniform(size=population.shape)
+        population = drawn()

@@ -58,6 +58,19 @@ class Space:
         places = [(0.0, len(choices) - 1.0) for choices in self.words.values()]
         return places + [(0.0, 1.0)] * len(self.ranges)
 
+    @property
+    def holds_start(self) -> bool:
+        """Whether a free waveform may be that of the start, with its words and numbers."""
+        free = {
+            name: self.start.get(name) for name in [*self.words, *self.ranges] if " " not in name
+        }
+        within = all(low <= float(free[name]) <= high
+                     for name, (low, high) in self.ranges.items() if name in free)  # fmt: skip
+        volts = drive_waveform(self.start).voltages(np.linspace(0.0, self.start.duration, 1000))
+        others = np.delete(volts, self.columns, axis=1).any()
+        chosen = all(free[key] in choices for key, choices in self.words.items())
+        return bool(self.knots and within and chosen and not others)
+
     def starts(self) -> Array:
         """Return the start with each combination of words as points, a row each, its own first.
 

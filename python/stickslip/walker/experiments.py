@@ -44,6 +44,7 @@ _NOISE = 0.05  # of one trial, relative; as in the measured tables
 # Before data. Chosen: the mean is of nine pulses; noise falls no more below half the median speed;
 # draws reach as far as data leave the constants; an error that surprises.
 _PULSES, _FLOOR, _DRAWS, _WIDTH, _OFF = 12, 0.5, 24, 0.3, 3.0
+_STILL = 2e-5  # m/s, a speed that is no walk; as of the paper's statements
 _ENOUGH = 0.5  # share of drives, and of draws, that has to be simulated; chosen
 
 
@@ -69,11 +70,11 @@ def propose_experiments(
     Returns
     -------
     DataFrame
-        A row for each drive, the best beside those before it: settings; `why`; `separation` of two
+        A row for each drive, the best with those before it: settings; `why`; `separation` of two
         causes beyond those rows, in standard errors; and for each model, or the ``stated`` one,
         ``expected_NAME`` and ``sd_NAME`` of the velocity without the noise of a trial, m/s. With a
-        column `velocity` `Measurement.with_velocities` takes it. Of a scenario ``attrs["alike"]``
-        are the pairs of causes that all rows leave within two standard errors.
+        column `velocity` `Measurement.with_velocities` takes it. Before data
+        ``attrs["confounded"]`` has the pairs of causes within two standard errors by all rows.
 
     Raises
     ------
@@ -85,7 +86,7 @@ def propose_experiments(
         if (noise, trials, seed, threads) != (_NOISE, TRIALS, 0, None):
             raise ScenarioError("noise, trials, seed, threads: allowed for a Scenario alone")
         found = what.propose_experiments(count)
-        return _table(found, what.words, cast(Measurement, what.measurement).scenario)
+        return tabulate(found, what.words, cast(Measurement, what.measurement).scenario)
     if not isinstance(what, Scenario):
         refuse("what", what, "a Scenario or a Diagnosis")
     check_whole("trials", trials, 1)
@@ -101,9 +102,9 @@ def propose_experiments(
     variance = (noise * np.maximum(speed, _FLOOR * np.median(speed))) ** 2 / trials + rough
     found, chi2 = choose(sound, names, (level, covariance, variance), pairs, count, trials)
     found = [replace(each, predictions={"stated": each.predictions["stated"]}) for each in found]
-    table = _table(found, Words(problem.words, problem.causes), short)
-    alike = itertools.compress(pairs, chi2 <= design.DECISIVE)
-    table.attrs["alike"] = [(names[first], names[second]) for first, second in alike]
+    table = tabulate(found, Words(problem.words, problem.causes), short)
+    confounded = itertools.compress(pairs, chi2 <= design.DECISIVE)
+    table.attrs["confounded"] = [(names[first], names[second]) for first, second in confounded]
     return table
 
 
@@ -152,7 +153,7 @@ def _first_order(
     names = ["stated", *(cause.name for cause in itertools.compress(problem.causes, kept))]
     moves = np.vstack([np.zeros_like(level), moves[kept]])
     sound = np.flatnonzero(np.isfinite([*moves, level, rough]).all(axis=0))
-    if np.mean(possible) < _ENOUGH or not np.any(level[sound]):
+    if np.mean(possible) < _ENOUGH or not np.median(np.abs(level[sound])) > _STILL:
         raise ScenarioError(
             "the stated scenario stands still, or cannot be simulated, at most of the proposed "
             "drives with constants within a third of their stated errors"
@@ -164,14 +165,13 @@ def _first_order(
     return names, drives, level[sound] + moves, covariance, rough[sound]
 
 
-def _table(experiments: Sequence[Experiment], words: Words, scenario: Scenario) -> pd.DataFrame:
-    """Settings that proposals vary, or that are not the scenario's, and the rest of a row."""
-    rows = []
+def tabulate(experiments: Sequence[Experiment], words: Words, scenario: Scenario) -> pd.DataFrame:
+    """Tabulate settings that vary, or are not the scenario's in some row, and the rest of a row."""
+    rows, varied = [], dict.fromkeys(key.removeprefix("drive.") for key in CHOICES)
     for each in experiments:
-        row = {
-            name: value for name, value in each.drive.items()
-            if f"drive.{name}" in CHOICES or value != scenario.get(f"drive.{name}")
-        }  # fmt: skip
+        varied |= {k: None for k, v in each.drive.items() if v != scenario.get(f"drive.{k}")}
+    for each in experiments:
+        row = {name: each.drive[name] for name in varied}
         row |= {"why": words.note(each.why), "separation": each.separation**0.5}
         for name, predicted in each.predictions.items():
             row |= {f"expected_{name}": predicted["velocity"], f"sd_{name}": predicted["sd"]}
@@ -211,7 +211,7 @@ def choose(
     """Choose the drives that leave the least odds of taking one candidate for another.
 
     The odds of a pair are exp(-chi2 / 2), of its mean log-evidence; those of all `pairs` are added.
-    Each drive is the best beside those before it, and of another mode, direction or frequency.
+    Each drive is the best with those before it, and of another mode, direction or frequency.
     `names` are those of the candidates, `predicted` the arrays of `expected_chi2`, in m/s. Return
     the chi2 of each pair by all drives, too.
     """
@@ -224,8 +224,8 @@ def choose(
     while len(chosen) < count and np.any(left):
         chi2 = design.expected_chi2(*predicted, chosen)[first, second]
         k = int(np.argmin(np.where(left, logsumexp(-0.5 * chi2, axis=0), np.inf)))
-        alike = reached <= design.DECISIVE  # these first
-        gains = np.where(alike | ~np.any(alike), chi2[:, k] - reached, 0.0)
+        close = reached <= design.DECISIVE  # these first
+        gains = np.where(close | ~np.any(close), chi2[:, k] - reached, 0.0)
         best, sd = int(np.argmax(gains)), np.sqrt(covariance[:, k, k])
         two, gain = (names[first[best]], names[second[best]]), float(gains[best])
         beside = ", beside the drives before it" if chosen else ""
