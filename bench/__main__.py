@@ -18,7 +18,6 @@ PROGRAMS = {
     "against": ("against", "this version beside an earlier commit (against COMMIT)"),
     "golden": ("golden", "whether the diagnosis says of stored problems what it said before"),
     "paper": ("paper", "the paper's simulations redone, its statements tested, its figures"),
-    "rules": ("rules", "which rules of the diagnosis decide anything"),
     "peers": ("peers", "SciPy, heyoka, MuJoCo and magpylib at equal accuracy"),
     "blind": ("blind", "the blind study of the diagnosis: make, diagnose, judge, tables ..."),
     "causes": ("causes", "a benchmark for any tool that names causes: make, run, score"),
