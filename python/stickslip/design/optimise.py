@@ -147,9 +147,8 @@ def _holds_mass(scenario: Scenario, free: Mapping[str, Any]) -> bool:
 def _draw(scenario: Scenario, count: int, seeds: list[int]) -> list[Scenario]:
     """Scenarios without a record; one alone where nothing is uncertain."""
     quiet = scenario.without_record()
-    if quiet.uncertain is None:
-        return [quiet]
-    return quiet.draws(count, seed=int(np.random.SeedSequence(seeds).generate_state(1)[0]))
+    seed = int(np.random.SeedSequence(seeds).generate_state(1)[0])
+    return [quiet] if quiet.uncertain is None else quiet.draws(count, seed=seed)
 
 
 @dataclass(eq=False)
@@ -222,9 +221,7 @@ class _Search:
         if nearest["failed"]:
             return f"each of the {tried} fails in a simulation; of the last: {self.message}"
         exceeded = ", ".join(self.goal.exceeded(nearest))
-        return (
-            f"limits: none of the {tried} is within all in every draw; the nearest has {exceeded}"
-        )
+        return f"limits: none of the {tried} keeps all in every draw; the nearest has {exceeded}"
 
     def _chosen(self) -> pd.Series[Any]:
         """The leader that exceeds limits in the fewest other draws, and of those the best.

@@ -61,15 +61,12 @@ class Space:
     @property
     def holds_start(self) -> bool:
         """Whether a free waveform may be that of the start, with its words and numbers."""
-        free = {
-            name: self.start.get(name) for name in [*self.words, *self.ranges] if " " not in name
-        }
-        within = all(low <= float(free[name]) <= high
-                     for name, (low, high) in self.ranges.items() if name in free)  # fmt: skip
+        words = all(self.start.get(key) in choices for key, choices in self.words.items())
+        within = all(low <= float(self.start.get(name)) <= high
+                     for name, (low, high) in self.ranges.items() if " " not in name)  # fmt: skip
         volts = drive_waveform(self.start).voltages(np.linspace(0.0, self.start.duration, 1000))
-        others = np.delete(volts, self.columns, axis=1).any()
-        chosen = all(free[key] in choices for key, choices in self.words.items())
-        return bool(self.knots and within and chosen and not others)
+        others = np.delete(volts, self.columns, axis=1)
+        return bool(self.knots) and words and within and not others.any()
 
     def starts(self) -> Array:
         """Return the start with each combination of words as points, a row each, its own first.
