@@ -108,7 +108,7 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Any]):
     Attributes
     ----------
     states : numpy.ndarray, shape (num_envs, 28)
-        The robots now, with the columns of `STATE_COLUMNS`.
+        The robots now, with the columns of ``STATE_COLUMNS``.
     robots : list of Scenario
         The robots as they were drawn.
 
