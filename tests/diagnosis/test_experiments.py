@@ -11,7 +11,7 @@ from made_velocities import drives, measurement
 from stickslip import Scenario
 from stickslip.diagnosis.decision import experiments as asked
 from stickslip.diagnosis.decision.verdict import Verdict
-from stickslip.walker import experiments as design
+from stickslip.walker import drives as design
 from stickslip.walker.problem import Drives
 from stickslip.walker.velocity import drive_settings
 

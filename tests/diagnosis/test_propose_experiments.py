@@ -19,7 +19,8 @@ from stickslip import (
 )
 from stickslip.diagnosis.terms.words import Vocabulary, Words
 from stickslip.walker import problem as measured
-from stickslip.walker.experiments import choose, tabulate
+from stickslip.walker.drives import choose
+from stickslip.walker.experiments import tabulate
 
 PRIORS = {
     "contact.kinetic_friction": Prior("normal", 0.145, 0.01),

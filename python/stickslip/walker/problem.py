@@ -32,7 +32,7 @@ from stickslip.scenario.toml_file import files_of, scenario_writers
 from stickslip.scenario.uncertain import JointPrior, refuse_geometry_beside_a_map
 from stickslip.simulation.notes import peak_voltages
 from stickslip.walker.angle import AngleTable
-from stickslip.walker.experiments import choose, proposals
+from stickslip.walker.drives import choose, proposals
 from stickslip.walker.field import FieldTable
 from stickslip.walker.film import FilmTable
 from stickslip.walker.laws import find_spans, fixed_numbers, laws
