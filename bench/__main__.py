@@ -18,10 +18,10 @@ PROGRAMS = {
     "against": ("against", "this version beside an earlier commit (against COMMIT)"),
     "golden": ("golden", "whether the diagnosis says of 149 problems what it said before"),
     "peers": ("peers", "SciPy, heyoka, MuJoCo and magpylib at equal accuracy"),
-    "blind": ("blind", "the blind study of the diagnosis: make, diagnose, judge, tables ..."),
-    "causes": ("causes", "a benchmark for any tool that names causes: make, run, score"),
+    "score": ("score", "the diagnosis beside known truths, by class: one scored table"),
+    "blind": ("blind", "a made data set of a walker as files: write"),
+    "causes": ("causes", "a benchmark for any tool that names causes: make, run"),
     "drawn": ("drawn_logs", "drawn logs and tables of known truth, right, noted or refused"),
-    "real": ("real.study", "measured sets with a known cause, diagnosed and judged"),
     "mutations": ("mutations", "whether the tests see a change of the C++ or Python sources"),
     "lines": ("lines", "lines of each wing of the project, beside its budget"),
 }

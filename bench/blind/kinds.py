@@ -40,7 +40,7 @@ class Kind:
     """A kind of data set.
 
     count: How many there are to choose by. study: How many there are to judge by, once: seeds
-    from 25000 on. family: Whose demands it is judged by; see scoring.py.
+    from 25000 on. family: What is hidden, in a word.
     hidden: What is hidden in one data set after the other, names of the catalogue or constants.
     wanted: Signal to noise of each hidden thing after recalibration, low and high end; of a law
     also beside each of its rivals. tables: What was measured. noise. error: The last hidden
