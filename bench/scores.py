@@ -68,9 +68,8 @@ class Answer(NamedTuple):
         International Journal of Prognostics and Health Management 1, 2010), with silence at 0.
         """
         causes, truth = set(self.causes), set(self.truth)
-        if not truth or self.said not in (*CLAIMS, "ambiguous") or not truth <= causes:
-            return 0.0
-        return len(truth) / len(causes)
+        says = self.claims or self.said == "ambiguous"
+        return len(truth) / len(causes) if says and truth and truth <= causes else 0.0
 
 
 def answer(row: Row) -> Answer:

@@ -15,8 +15,8 @@ import now
 import numpy as np
 import pytest
 import stale
-from blind import study
 from causes import tools
+from score import rows as score
 from works import WORKS
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -118,16 +118,14 @@ def test_parts_of_now_go_on_where_they_ran_out_of_time(tmp_path, monkeypatch):
 
 
 GOLDEN = "{GOLDEN}"
-OLD = {"answer": {"kind": "none", "seed": 1, "strength": 0.0, "answer": [], "effects": {}},
-       "said": {"verdict": "none", "cause": None, "probabilities": {"none": 1.0}},
-       "reasons": [], "gain": None, "cpu_seconds": 1.0, "state": {"golden": GOLDEN}}  # fmt: skip
+OLD = {"class": "logs, nothing", "problem": "axis-00", "truth": [], "listed": True, "said": "none",
+       "causes": [], "cpu": 1.0, "engine": {"golden": GOLDEN}}  # fmt: skip
 ANSWER = {"said": "none", "causes": [], "cpu": 1.0}
 PART = {"complete": True, "rows": {"a": now.number_row(1.0, "-"), "b": now.number_row(2.0, "-")}}
 SHOWN = [
-    ("blind", ["blind", "tables", "{}"], OLD, 1),
-    ("causes", ["causes", "score", "{}"], {"axis-00": {**ANSWER, "golden": GOLDEN},
-                                           "axis-04": ANSWER}, 2),
-    ("now", ["now", "diagnosis", "--out", "{}"], {"tables": {**PART, "golden": GOLDEN}}, 2),
+    ("score", ["score", "--rows", "{}.jsonl"], OLD, 1),
+    ("score", ["score", "--rows", "{}.json"], {"axis-00": {**ANSWER, "golden": GOLDEN}}, 1),
+    ("now", ["now", "diagnosis", "--out", "{}.json"], {"tables": {**PART, "golden": GOLDEN}}, 2),
 ]  # fmt: skip
 
 
@@ -137,8 +135,8 @@ def test_figures_of_other_verdicts_are_said_to_be_stale(
 ):
     monkeypatch.setattr(stale, "VERDICTS", tmp_path / "verdicts.jsonl")
     monkeypatch.setitem(now.PARTS, "diagnosis", lambda done, budget: ())
-    path = tmp_path / "stickslip.json"
-    monkeypatch.setattr(sys, "argv", [each.format(path) for each in arguments])
+    monkeypatch.setattr(sys, "argv", [each.format(tmp_path / "rows") for each in arguments])
+    path = Path(sys.argv[-1])
     module = runpy.run_path(str(ROOT / "bench" / "__main__.py"))["PROGRAMS"][name][0]
     main = importlib.import_module(f"{module}.__main__" if name != "now" else module).main
 
@@ -148,9 +146,7 @@ def test_figures_of_other_verdicts_are_said_to_be_stale(
 
     stale.VERDICTS.write_text('{"name": "a"}\n')
     path.write_text(json.dumps(record).replace(GOLDEN, stale.digest()))
-    unstated = int(name == "causes")
-    assert bool(unstated) == bool(before := said())
-    assert all(f"stale: {unstated} of {rows} rows" in each for each in before)
+    assert said() == []
     stale.VERDICTS.write_text('{"name": "b"}\n')
     (after,) = said()
     assert f"stale: {rows} of {rows} rows" in after
@@ -165,7 +161,7 @@ def test_what_is_made_states_the_verdicts_of_its_engine(tmp_path, monkeypatch):
     now.measured("tables", tmp_path / "now.json", now.Budget(float("inf")))
     told = tools.ours(dict(tools.asked())["axis-04"]())
     # printf '[["a", null, null]]' | sha256sum
-    made = (now.read(tmp_path / "now.json")["tables"], told, study.state())
+    made = (now.read(tmp_path / "now.json")["tables"], told, score.engine())
     assert [each["golden"] for each in made] == ["986c3a541fe3"] * 3
 
 

@@ -5,9 +5,9 @@ from itertools import combinations, product
 import numpy as np
 import pytest
 from blind import seeds
-from blind.__main__ import TABLES
-from blind.study import HERE, in_parts, lines
-from scores import Answer, interval, table
+from score.problems import drawn
+from score.rows import HERE, ask, read
+from scores import Answer, answer, interval
 
 COULOMB, TWO = ["coulomb"], ["coulomb", "load"]
 
@@ -29,6 +29,9 @@ COULOMB, TWO = ["coulomb"], ["coulomb", "load"]
         ("ambiguous", [*TWO, "zero"], TWO, "right set", 2 / 3),
         ("ambiguous", [*TWO, "zero", "late"], COULOMB, "large set", 0.25),
         ("ambiguous", ["zero", "load"], COULOMB, "wrong set", 0.0),
+        # A problem of the data is an answer if it tells a unit.
+        ("data-problem", ["unit of time"], ["unit of time"], "right name", 1.0),
+        ("data-problem", [], ["unit of time"], "silent", 0.0),
         # A leader of what stays unexplained is no answer.
         ("unexplained", COULOMB, COULOMB, "silent", 0.0),
     ],
@@ -52,21 +55,46 @@ def utility(said, truth, components):
 
 
 @pytest.mark.parametrize("causes", ["a", "b", "ab", "abc", "bc"])
-@pytest.mark.parametrize("group", ["a", "ab"])
-def test_the_credit_is_the_utility_of_the_competition_with_silence_at_nought(causes, group):
-    said, truth = ([{each} for each in names] for names in (causes, group))
+def test_the_credit_is_the_utility_of_the_competition_with_silence_at_nought(causes):
+    said, truth = ([{each} for each in names] for names in (causes, "a"))
     best, silent, found = (utility(each, truth, 1e9) for each in (truth, [set()], said))
-    one = Answer("ambiguous", causes, "a", group)
-    # Where only the twin is said, ours is the stricter one.
+    one = Answer("ambiguous", causes, "a")
     expected = 0.0 if "a" not in causes else (found - silent) / (best - silent)
     assert one.credit == pytest.approx(expected, abs=1e-6)
 
 
-def test_silence_has_no_credit_and_every_answer_is_counted_once():
-    rows = [Answer("none", [], COULOMB), Answer("named", COULOMB, COULOMB)]
-    said = table({"listed": rows, "none": []}).splitlines()
-    assert said[0] == "| sets | number | right name | silent | score of groups |"
-    assert said[2:] == ["| listed | 2 | 1 (9 to 91 %) | 1 (9 to 91 %) | 0.50 (9 to 91 %) |"]
+@pytest.mark.parametrize(
+    ("said", "causes", "also", "outcome"),
+    [
+        ("named", COULOMB, ["zero"], "right name"),
+        ("pair", [*COULOMB, "zero"], ["zero"], "right name"),
+        ("named", ["zero"], ["zero"], "silent"),
+        ("named", ["late"], ["zero"], "wrong name"),
+        ("ambiguous", [*COULOMB, "late"], [], "right set"),
+        ("ambiguous", ["late", "zero"], ["zero"], "wrong set"),
+    ],
+)
+def test_a_part_of_what_acts_is_right_where_others_may_act(said, causes, also, outcome):
+    row = {"said": said, "causes": causes, "truth": TWO, "listed": True, "also": also}
+    assert answer(row).outcome == outcome
+    # A size that is far from the known one is wrong.
+    if outcome == "right name":
+        assert answer({**row, "far": ["coulomb"[:3]]}).outcome == "wrong name"
+
+
+@pytest.mark.parametrize(
+    ("said", "causes", "truth", "alike", "outcome"),
+    [
+        ("named", ["load[after]"], ["load[after]"], True, "right name"),
+        ("named", ["load"], [], True, "rightly silent"),
+        ("unexplained", [], [], True, "wrong set"),
+        ("unexplained", [], [], False, "rightly silent"),
+        ("ambiguous", ["load", "zero[before]"], [], False, "wrong set"),
+    ],
+)
+def test_what_both_sides_have_is_no_difference(said, causes, truth, alike, outcome):
+    row = {"said": said, "causes": causes, "truth": truth, "listed": True, "alike": alike}
+    assert answer(row).outcome == outcome
 
 
 def test_shares_come_with_the_interval_of_wilson():
@@ -80,28 +108,13 @@ def test_shares_come_with_the_interval_of_wilson():
                 assert abs(away) == pytest.approx(1.959964)
 
 
-STUDIES = sorted({path.parent for path in HERE.glob("*/*.jsonl")})
-
-
-def rows_of(study):
-    """Identity, seed and commit of each stored row of a study."""
-    for folder in STUDIES:
-        for row in lines(folder / f"{'record' if study == 'walkers' else study}.jsonl"):
-            one = row.get("answer", {"kind": "", **row})
-            kind = one["kind"] * (study == "walkers")
-            yield (folder.name, kind, one["seed"]), one["seed"], row["state"]["commit"]
-
-
-@pytest.mark.parametrize("study", [*TABLES, "walkers"])
-def test_every_judged_row_is_of_a_range_that_is_listed(study):
-    if study in TABLES:
-        assert TABLES[study]([*lines(HERE / "study" / f"{study}.jsonl")]).count("|") > 10
-    rows, judged = list(rows_of(study)), set()
-    assert len({which for which, *_ in rows}) == len(rows) > 0
-    for _, seed, commit in rows:
-        mine = seeds.of(study, seed)
-        assert mine.purpose == "judged", (study, seed)
-        judged |= {(mine, commit)}
+def test_every_judged_row_is_of_a_range_that_is_listed():
+    rows, judged = read(HERE / "earlier.jsonl"), set()
+    assert len({row["problem"] for row in rows}) == len(rows) > 0
+    for row in rows:
+        mine = seeds.of(row["study"], row["seed"])
+        assert mine.purpose == "judged", (row["study"], row["seed"])
+        judged |= {(mine, row["engine"]["commit"])}
     # What is said to have judged a range is the commit of rows that are stored.
     for mine in {each for each, _ in judged if each.commit}:
         assert (mine, mine.commit) in judged
@@ -121,7 +134,4 @@ def test_seeds_that_were_judged_are_refused(tmp_path):
     never = max(each.seeds.stop for each in seeds.ranges("own"))
     for first, said in ((closed.first, f"judged at {closed.commit}"), (never, "in no range")):
         with pytest.raises(SystemExit, match=said):
-            in_parts(tmp_path / "own.jsonl", 1.0, [first], lambda seed: {})
-    (tried,) = (each for each in seeds.ranges("own") if each.purpose == "tried")
-    made = in_parts(tmp_path / "own.jsonl", 1.0, [tried.first], lambda seed: {})
-    assert [row["seed"] for row in made] == [tried.first]
+            ask(tmp_path / "rows.jsonl", [drawn("own", "own", first, "", dict)], 1.0)

@@ -130,8 +130,7 @@ def log(kind: str, hidden: str, errors: str, draw: np.random.Generator) -> Drawn
 def _sized(
     kind: str, cause: str, base: dict[str, float], t: Array, u: Array, plain: Array, wanted: float
 ) -> tuple[Array, float, float]:
-    """Readings with a cause whose effect comes nearest to the wanted one, the effect and the size.
-    """
+    """Readings with a cause whose effect comes nearest to the wanted one, the effect and the size."""
     low, high = np.log(KINDS[kind]["hidden"][cause]) + np.log(10.0) * np.array([-DECADES, DECADES])
     for _ in range(HALVINGS):
         size = float(np.exp(0.5 * (low + high)))

@@ -11,6 +11,7 @@ import numpy as np
 
 from stickslip import Cause, Diagnosis, diagnose, read_measurement
 
+MACHINES = Path(__file__).resolve().parent / "machines"
 ASKED = {"axis": 3, "slider": 1, "drops": 2, "cylinders": 4, "tanks": 1, "wheels": 1}
 """Sets of each machine whose cause is known, the first ones."""
 UNSURE = {"tumbler": 1, "rollers": 1}
@@ -44,8 +45,7 @@ class Measured:
 
 def measured_set(machine: str, number: int = 0) -> Measured:
     """A set of a machine."""
-    path = Path(__file__).parent / "machines" / machine / "machine.py"
-    found: Measured = runpy.run_path(str(path))["SETS"][number]
+    found: Measured = runpy.run_path(str(MACHINES / machine / "machine.py"))["SETS"][number]
     return found
 
 

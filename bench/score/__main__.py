@@ -25,12 +25,15 @@ APART = "not made", "too weak"  # rows that are no answers
 
 
 def groups(rows: Sequence[Row]) -> dict[str, list[Row]]:
-    """Rows by class: those that are asked, then others by their first word."""
-    left = dict.fromkeys(row["class"].partition(", ")[0] for row in rows)
-    heads = {name.partition(", ")[0] for name in ASKED}
-    names = [*ASKED, *(each for each in left if each not in heads and each not in APART)]
-    found = {name: [row for row in rows if f"{row['class']}, ".startswith(f"{name}, ")]
-             for name in names}  # fmt: skip
+    """Rows by class: those that are asked, then others by their first two words."""
+
+    def within(row: Row, name: str) -> bool:
+        return f"{row['class']}, ".startswith(f"{name}, ")
+
+    others = [row for row in rows if row["class"] not in APART
+              and not any(within(row, name) for name in ASKED)]  # fmt: skip
+    names = [*ASKED, *dict.fromkeys(", ".join(row["class"].split(", ")[:2]) for row in others)]
+    found = {name: [row for row in rows if within(row, name)] for name in names}
     return {name: own for name, own in found.items() if own}
 
 
@@ -82,7 +85,8 @@ def page(path: Path) -> str:
     other = [f"{sum(row['class'] == each for row in rows)} {each}" for each in APART]
     other += [f"{sum(row.get('said') == 'refused' for row in rows)} refused"]
     words = f"{len(rows)} problems, of which {', '.join(other)}."
-    return "\n\n".join([*stale(rows), table(rows), words])
+    ours = [row for row in rows if "golden" in row.get("engine", row)]  # others do not change
+    return "\n\n".join([*stale(ours), table(rows), words])
 
 
 def against(before: Sequence[Row], now: Sequence[Row]) -> str:

@@ -26,7 +26,7 @@ class Pair(NamedTuple):
 
     change: str
     alike: bool
-    sides: list[Series]
+    sides: tuple[Series, Series]
     model: Any
 
 
@@ -59,8 +59,8 @@ def made(seed: int, place: int) -> Pair:
     known = {name: (value, part * value) for name, (value, part) in stated.items()}
     model = getattr(models, kind)(without=own["without"], **known, **own["known"])
     name = own["input"].partition(" (")[0]
-    sides = [Series(t, y, {name: each}, unit=model.unit) for y, each in zip(level, u, strict=True)]
-    return Pair(change, alike, sides, model)
+    before, after = (Series(t, level[k], {name: u[k]}, unit=model.unit) for k in range(2))
+    return Pair(change, alike, (before, after), model)
 
 
 def _changed(

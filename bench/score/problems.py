@@ -87,6 +87,7 @@ def of_causes(walkers: bool) -> Iterator[Problem]:
             what = "listed" if truth["listed"] else "not listed"
             group = f"{'walkers of causes' if walkers else 'logs'}, "
             group += what if truth["cause"] else "nothing"
+            group += ", model error" * truth["model_error"]
             yield Problem(group, name, partial(_of_causes, name, truth))
 
 
@@ -249,7 +250,7 @@ def of_walkers() -> Iterator[Problem]:
     """Sets of walkers in which something listed is hidden."""
     kinds = [name for name, each in KINDS.items() if each.family in OF_WALKERS]
     for kind, seed in [*plan(first("walkers"), 1000, kinds, study=True)][:WALKERS]:
-        yield drawn("walkers", "walkers", seed, kind, partial(_of_walker, kind, seed))
+        yield drawn("walkers, listed", "walkers", seed, kind, partial(_of_walker, kind, seed))
 
 
 def _of_walker(kind: str, seed: int) -> Asked:

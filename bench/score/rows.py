@@ -124,8 +124,14 @@ def _sized(row: Row, asked: Asked, found: Diagnosis) -> Row:
     for name, value in asked.sizes.items():
         if name in values.index and not name.startswith("start"):
             true, sd = value if isinstance(value, tuple) else (value, 0.0)
-            told = [float(f"{each:.6g}") for each in
-                    (true, *values.loc[name, ["value", "sd"]], *ends.loc[name, ["low", "high"]])]
+            told = [
+                float(f"{each:.6g}")
+                for each in (
+                    true,
+                    *values.loc[name, ["value", "sd"]],
+                    *ends.loc[name, ["low", "high"]],
+                )
+            ]
             words = ("true", "estimate", "sd", "low", "high")
             sizes.append({"name": name, **dict(zip(words, told, strict=True))})
             if sd and abs(told[1] - true) > FAR * np.hypot(told[2], sd):
