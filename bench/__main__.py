@@ -19,7 +19,7 @@ PROGRAMS = {
     "golden": ("golden", "whether the diagnosis says of 149 problems what it said before"),
     "peers": ("peers", "SciPy, heyoka, MuJoCo and magpylib at equal accuracy"),
     "score": ("score", "the diagnosis beside known truths, by class: one scored table"),
-    "blind": ("blind", "a made data set of a walker as files: write"),
+    "blind": ("blind.writing", "a made data set of a walker as files (blind KIND SEED INTO)"),
     "causes": ("causes", "a benchmark for any tool that names causes: make, run"),
     "drawn": ("drawn_logs", "drawn logs and tables of known truth, right, noted or refused"),
     "mutations": ("mutations", "whether the tests see a change of the C++ or Python sources"),

@@ -1,4 +1,4 @@
-"""Sets of models of one's own: their plan, model errors, and how effects stand out."""
+"""Sets of models of one's own: their plan, and the size of their model errors."""
 
 from collections import Counter
 
@@ -34,15 +34,3 @@ def test_model_errors_have_the_share_that_is_asked_for(errors):
     # the truth. Constants undo half of it, and less of the errors, which would be 0.45 and more of
     # it if they were counted before a refit.
     assert np.linalg.norm(error) == pytest.approx(0.3 * np.linalg.norm(effect), rel=0.05)
-
-
-def test_how_far_an_effect_stands_out():
-    # A slope of known error takes of an effect along it all but error / prior of it.
-    x = own.PLACES
-    found = own._stands_out(3.0 * x, x[:, None], 0.1, 0.2)
-    assert found == pytest.approx(3.0 / np.hypot(0.1, 0.2 / np.linalg.norm(x)), rel=1e-9)
-    bend = (x - 3.5) ** 2
-    bend -= x * (x @ bend) / (x @ x)
-    assert own._stands_out(bend, x[:, None], np.inf, 0.2) == pytest.approx(
-        np.linalg.norm(bend) / 0.2, rel=1e-9
-    )

@@ -109,7 +109,7 @@ def test_shares_come_with_the_interval_of_wilson():
 
 
 def test_every_judged_row_is_of_a_range_that_is_listed():
-    rows, judged = read(HERE / "earlier.jsonl"), set()
+    rows, judged = [row for row in read(HERE / "earlier.jsonl") if "seed" in row], set()
     assert len({row["problem"] for row in rows}) == len(rows) > 0
     for row in rows:
         mine = seeds.of(row["study"], row["seed"])

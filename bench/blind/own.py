@@ -10,7 +10,6 @@ replaced by another one.
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Callable
 from functools import partial
 from typing import Any, NamedTuple
@@ -37,11 +36,10 @@ MODEL_ERRORS = ERRORS[3:]
 
 
 class Drawn(NamedTuple):
-    """What is hidden, "" for nothing; the truth; how it stands out, in errors; the diagnosis."""
+    """What is hidden, "" for nothing; the truth; the change of the readings; the diagnosis."""
 
     cause: str
     sizes: dict[str, float]
-    strength: float
     effect: Array
     diagnosed: Callable[[], Diagnosis]
 
@@ -75,9 +73,8 @@ def line(hidden: str, draw: np.random.Generator) -> Drawn:
     causes = [Cause(each, Parameter(f"{each}.size", size=0.2, low=-5.0, high=5.0))
               for each in offered]  # fmt: skip
     slope = Parameter("slope", Prior("normal", 1.0, 0.1), cause=False)
-    seen = _stands_out(effect, PLACES[:, None], 0.1, 0.1)
     asked = partial(diagnose_model, _line, Table({"x": PLACES}, y), [slope], causes)
-    return Drawn(cause, sizes, seen, effect, asked)
+    return Drawn(cause, sizes, effect, asked)
 
 
 def log(kind: str, hidden: str, errors: str, draw: np.random.Generator) -> Drawn:
@@ -97,14 +94,12 @@ def log(kind: str, hidden: str, errors: str, draw: np.random.Generator) -> Drawn
         if 0.9 * wanted < found < 1.1 * wanted:
             break  # some cannot be as strong: dry friction stops the machine first
     else:
-        assert hidden == "none", f"{kind}: no cause has an effect of {wanted:.2g}"
+        if hidden != "none":
+            raise ValueError(f"{kind}: no cause has an effect of {wanted:.2g}")
     effect, part = seen - plain, draw.uniform(*ERROR_SHARE)
     steps = {name: SLOPE_STEP * base[name] or SLOPE_STEP for name in [*own["constants"], "start"]}
     moves = np.array([simulated(kind, {**base, name: base[name] + step}, t, u) - plain
                       for name, step in steps.items()]).T  # fmt: skip
-    of_unit = np.array([math.prod(own["constants"].get(name, (math.inf,))) / step
-                        for name, step in steps.items()])  # fmt: skip
-    stands_out = _stands_out(effect, moves, of_unit, sd)
     if errors in MODEL_ERRORS:
         error = _error(errors, t, seen, draw)
         # What constants undo is no effect, and no error.
@@ -124,13 +119,13 @@ def log(kind: str, hidden: str, errors: str, draw: np.random.Generator) -> Drawn
     name = own["input"].partition(" (")[0]
     record = Series(t, seen, {name: u}, unit=own["reads"].rstrip(")").split(" (")[1])
     asked = partial(diagnose_model, model, record)
-    return Drawn(cause, {**base, cause: size}, stands_out, effect, asked)
+    return Drawn(cause, {**base, cause: size}, effect, asked)
 
 
 def _sized(
     kind: str, cause: str, base: dict[str, float], t: Array, u: Array, plain: Array, wanted: float
 ) -> tuple[Array, float, float]:
-    """Readings with a cause whose effect comes nearest to the wanted one, the effect and the size."""
+    """Readings with a cause whose effect comes nearest to the wanted one, that, and the size."""
     low, high = np.log(KINDS[kind]["hidden"][cause]) + np.log(10.0) * np.array([-DECADES, DECADES])
     for _ in range(HALVINGS):
         size = float(np.exp(0.5 * (low + high)))
@@ -143,16 +138,6 @@ def _sized(
         else:
             high = np.log(size)
     return seen, found, size
-
-
-def _stands_out(effect: Array, moves: Array, size: float | Array, sd: float) -> float:
-    """Norm of an effect in errors after recalibration, with what constants are moved for it.
-
-    `moves` are changes by constants, whose priors have the standard deviation `size`.
-    """
-    prior = np.diag(np.full(moves.shape[1], 1.0) / size)
-    columns = np.vstack([moves / sd, prior])
-    return float(np.linalg.norm(refitted(np.append(effect / sd, np.zeros(len(prior))), columns)))
 
 
 def refitted(change: Array, columns: Array) -> Array:

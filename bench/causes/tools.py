@@ -1,4 +1,4 @@
-"""Tools that answer the sets: ours, and two that everybody knows."""
+"""The sets as questions, and two tools that everybody knows."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import f as f_law
 from scores import until
-from stale import digest
 
 from causes.make import FOLDER
 from stickslip import Diagnosis, diagnose_model, models
@@ -69,11 +68,6 @@ def _walker(folder: Path, told: dict[str, Any]) -> Asked:
     measured = replace(measured, scenario=measured.scenario.replace(nothing))
     problem = posed_by(measured)
     return Asked(problem, partial(diagnose, measured, threads=1), problem.sd)
-
-
-def ours(one: Asked) -> Answer:
-    verdict = one.diagnosed().verdict
-    return {"said": verdict.kind, "causes": list(verdict.causes), "golden": digest()}
 
 
 class _Fits:
@@ -179,7 +173,7 @@ def stepwise(one: Asked) -> Answer:
 
 
 TOOLS: dict[str, Callable[[Asked], Answer]] = {
-    "stickslip": ours, "best BIC": best_bic, "stepwise F": stepwise,
+    "best BIC": best_bic, "stepwise F": stepwise,
 }  # fmt: skip
 
 

@@ -115,6 +115,14 @@ def _words(row: Row) -> str:
     return f"{row['said']} {', '.join(sorted(row['causes']))} ({answer(row).outcome})"
 
 
+def part(text: str) -> tuple[int, int]:
+    """A part and how many there are, as 3/8."""
+    number, of = map(int, text.split("/"))
+    if not 1 <= number <= of:
+        raise ValueError
+    return number, of
+
+
 def main() -> None:
     """Print the table, diagnose a part, or compare."""
     parser = argparse.ArgumentParser(
@@ -122,22 +130,22 @@ def main() -> None:
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--part", metavar="K/N", help="every Nth of each class, from the Kth on")
+    parser.add_argument("--part", type=part, metavar="K/N", help="every Nth, from the Kth on")
     parser.add_argument("--minutes", type=float, default=15.0, help="of a part")
     parser.add_argument("--only", default="", metavar="PATTERN", help='of "class: problem"')
     parser.add_argument("--rows", type=Path, default=ROWS, help="JSON lines, or a tool's answers")
     parser.add_argument("--against", metavar="FILE", help="or the golden sum of an engine")
     options = parser.parse_args()
     if options.part:
-        part, parts = map(int, options.part.split("/"))
-        ask(options.rows, in_turns(part, parts, options.only), options.minutes)
-        return
-    if not options.against:
+        ask(options.rows, in_turns(*options.part, options.only), options.minutes)
+    elif options.against:
+        rows, other = read(options.rows), Path(options.against)
+        own = [row for row in rows if row.get("engine", {}).get("golden") == options.against]
+        if not own and not other.exists():
+            parser.error(f"--against {other}: no file, and no engine of {options.rows}")
+        print(against(newest(own or read(other), ""), newest(rows, digest())))
+    else:
         print(page(options.rows))
-        return
-    rows, other = read(options.rows), Path(options.against)
-    before = newest(read(other), "") if other.exists() else newest(rows, options.against)
-    print(against(before, newest(rows, digest())))
 
 
 if __name__ == "__main__":

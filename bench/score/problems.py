@@ -29,6 +29,7 @@ OF_WALKERS = ("constant 3 sd", "constant 5 sd", "single", "single, correlated", 
 """Families of kinds of walkers in which something listed is hidden."""
 WORDS = {"none": "nothing", "listed": "listed", "unlisted": "not listed"}
 READINGS = {"rad/s": ("deg/s", 57.29578), "rad": ("deg", 57.29578), "m": ("mm", 1e3)}
+SLOW = "wheels"  # measured sets that take a quarter of an hour or more
 MILLI = "torque", "force", "command", "power"  # inputs that may be in a thousandth
 LOGGED = {"held": (2, 5), "lines": (2, 5, 20), "mixed rates": (3,), "mean": (3, 9)}
 """How rows of a log were made of readings, each with numbers of rows."""
@@ -37,19 +38,9 @@ LOGGED = {"held": (2, 5), "lines": (2, 5, 20), "mixed rates": (3,), "mean": (3, 
 class Asked(NamedTuple):
     """A question with its truth.
 
-    Attributes
-    ----------
-    diagnosed : callable
-    truth : sequence of str
-        Causes that are hidden.
-    listed : bool
-        Whether they are offered.
-    sizes : mapping
-        True values by the names of the package; of a measured set with standard deviations.
-    more : mapping
-        Further items of the row.
-    causes : callable
-        What is said: the causes of the verdict, or a unit.
+    truth: Causes that are hidden. listed: Whether they are offered. sizes: True values by the names
+    of the package; of a measured set with standard deviations. more: Further items of the row.
+    causes: What is said: the causes of the verdict, or a unit.
     """
 
     diagnosed: Callable[[], Diagnosis]
@@ -129,8 +120,7 @@ def _of_own(seed: int, kind: str, hidden: str, errors: str) -> Asked:
     word = made.PARAMETERS.get(one.cause.partition(" ")[0])
     sizes = {f"{name}.{word}" if word and name == one.cause else name: value
              for name, value in one.sizes.items()}  # fmt: skip
-    more = {"strength": round(one.strength, 2)}
-    return Asked(one.diagnosed, [one.cause] * bool(one.cause), hidden != "unlisted", sizes, more)
+    return Asked(one.diagnosed, [one.cause] * bool(one.cause), hidden != "unlisted", sizes)
 
 
 def _group(key: made.Key) -> str:
@@ -142,30 +132,23 @@ def _group(key: made.Key) -> str:
 
 
 def of_made() -> Iterator[Problem]:
-    """Logs of `score.made`."""
+    """Logs of `score.made` and of `score.unlisted`."""
     for key in made.problems(first("made logs")):
         words = f"{key.machine}, {key.cause or 'nothing'}, {key.condition}"
-        yield drawn(_group(key), "made logs", key.seed, words, partial(_of_made, key))
-
-
-def of_unlisted() -> Iterator[Problem]:
-    """Logs of `score.unlisted`."""
+        yield drawn(_group(key), "made logs", key.seed, words, partial(_of_made, made.made, key))
     for key in unlisted.problems(first("unlisted")):
-        asked = partial(_of_unlisted, key)
+        asked = partial(_of_made, unlisted.made, key, listed=False)
         yield drawn("unlisted shapes", "unlisted", key.seed, f"{key.machine}, {key.cause}", asked)
 
 
-def _answered(log: made.Made, listed: bool = True, **more: Any) -> Asked:
+def _of_made(make: Callable[[Any], made.Made], key: Any, listed: bool = True) -> Asked:
+    return _of_log(make(key), listed=listed)
+
+
+def _of_log(log: made.Made, listed: bool = True, **more: Any) -> Asked:
     asked, truth = partial(diagnose_model, *question(log)), [log.truth] * bool(log.truth)
-    return Asked(asked, truth, listed, log.constants, {"strength": round(log.strength, 2), **more})
-
-
-def _of_made(key: made.Key) -> Asked:
-    return _answered(made.made(key))
-
-
-def _of_unlisted(key: Any) -> Asked:
-    return _answered(unlisted.made(key), listed=False)
+    sizes = {name: size for name, size in log.constants.items() if not name.startswith("start")}
+    return Asked(asked, truth, listed, sizes, {"strength": round(log.strength, 2), **more})
 
 
 def of_logged() -> Iterator[Problem]:
@@ -173,7 +156,8 @@ def of_logged() -> Iterator[Problem]:
     for k, (machine, of) in enumerate(made.MACHINES.items()):
         cause = "coulomb" if "coulomb" in of.causes else next(iter(of.causes))
         key = made.Key(first("rows") + k, machine, cause, 25.0, "clean")
-        plain = drawn("rows, plain", "rows", key.seed, f"{machine}, plain", partial(_of_made, key))
+        asked = partial(_of_made, made.made, key)
+        plain = drawn("rows, plain", "rows", key.seed, f"{machine}, plain", asked)
         yield plain
         for how, n in ((how, n) for how, numbers in LOGGED.items() for n in numbers):
             asked = partial(_of_logged, key, how, n, plain.name)
@@ -193,7 +177,7 @@ def _of_logged(key: made.Key, how: str, n: int, plain: str) -> Asked:
     else:
         before = np.concatenate([np.full(n - 1, log.y[0]), log.y])
         log = log._replace(y=np.convolve(before, np.full(n, 1.0 / n), "valid"))
-    return _answered(log, plain=plain)
+    return _of_log(log, plain=plain)
 
 
 def of_units() -> Iterator[Problem]:
@@ -228,7 +212,7 @@ def _of_unit(key: made.Key, what: str) -> Asked:
         told = found.verdict.kind == "data-problem" or "factor of" in text
         return [truth] if told and words in text else found.verdict.causes
 
-    return _answered(log)._replace(truth=[truth], sizes={}, causes=causes)
+    return _of_log(log)._replace(truth=[truth], sizes={}, causes=causes)
 
 
 def of_pairs(count: int) -> Iterator[Problem]:
@@ -271,7 +255,7 @@ def _of_walker(kind: str, seed: int) -> Asked:
 
 CLASSES: tuple[Callable[[], Iterator[Problem]], ...] = (
     partial(of_own, "clean", 245), partial(of_own, "own", 600), partial(of_causes, False),
-    of_units, of_made, of_unlisted, of_logged, partial(of_pairs, 140), of_measured,
-    partial(of_causes, True), of_walkers,
+    of_units, of_made, of_logged, partial(of_pairs, 140), of_measured, partial(of_causes, True),
+    of_walkers,
 )  # fmt: skip
 """Listings of problems; those that take less time come first."""

@@ -26,7 +26,7 @@ from causes.make import TRUTH
 from scores import Row, answer
 from stale import digest
 
-from score.problems import CLASSES, Asked, Problem
+from score.problems import CLASSES, SLOW, Asked, Problem
 from stickslip import Diagnosis
 from stickslip.diagnosis.decision.candidate import Candidate
 
@@ -35,6 +35,7 @@ ROWS = HERE / "rows.jsonl"
 FAR = 3.0
 """Standard deviations. Chosen: an estimate farther from what is known than that is wrong."""
 WORD = 200  # characters of a refusal that are kept
+SIZE = ["true", "estimate", "sd", "low", "high"]  # of a row's sizes
 
 
 def lines(path: Path) -> Iterator[Row]:
@@ -119,36 +120,30 @@ def _sized(row: Row, asked: Asked, found: Diagnosis) -> Row:
     none = row["said"] == "none" and not row["truth"]
     if not none and answer(row).outcome != "right name":
         return {}
-    values, ends = found.params, found.conf_int()
-    sizes, far, more = [], [], {}
-    for name, value in asked.sizes.items():
-        if name in values.index and not name.startswith("start"):
-            true, sd = value if isinstance(value, tuple) else (value, 0.0)
-            told = [
-                float(f"{each:.6g}")
-                for each in (
-                    true,
-                    *values.loc[name, ["value", "sd"]],
-                    *ends.loc[name, ["low", "high"]],
-                )
-            ]
-            words = ("true", "estimate", "sd", "low", "high")
-            sizes.append({"name": name, **dict(zip(words, told, strict=True))})
-            if sd and abs(told[1] - true) > FAR * np.hypot(told[2], sd):
-                far.append(name)
-    fit = found.findings.models.get(tuple(row["truth"]))
-    if fit is not None and row["truth"]:
+    table = found.params.rename(columns={"value": "estimate"})
+    table, more = table.join(found.conf_int()[["low", "high"]]), Row(sizes=[])
+    for name in table.index.intersection([*asked.sizes]):
+        value = asked.sizes[name]
+        true, sd = value if isinstance(value, tuple) else (value, 0.0)
+        told = [float(f"{each:.6g}") for each in (true, *table.loc[name, SIZE[1:]])]
+        more["sizes"].append({"name": name, **dict(zip(SIZE, told, strict=True))})
+        if sd and abs(told[1] - true) > FAR * np.hypot(told[2], sd):
+            more["far"] = [*more.get("far", ()), name]
+    fit = found.findings.models.get(row["truth"])
+    if row["truth"] and fit is not None:
+        own = next((each for each in table.index if each.startswith(row["truth"][0])), "")
         plain = Candidate(fit, found.findings.models).interval(0.95)
-        name = next((each for each in plain.index if each.startswith(row["truth"][0])), "")
-        if name in ends.index and (width := float(plain.at[name, "high"] - plain.at[name, "low"])):
-            more["width"] = round(float(ends.at[name, "high"] - ends.at[name, "low"]) / width, 3)
-    return {**more, **({"sizes": sizes} if sizes else {}), **({"far": far} if far else {})}
+        if own in plain.index and (width := np.ptp(plain.loc[own, ["low", "high"]].to_list())):
+            wider = np.ptp(table.loc[own, ["low", "high"]].to_list()) / width
+            more["width"] = round(float(wider), 3)
+    return more
 
 
 def in_turns(part: int, parts: int, only: str = "") -> list[Problem]:
     """Problems of a part: of each class every `parts`-th by its rank, the classes in turn.
 
-    Classes begin at different parts, so that no part has the first of each.
+    Classes begin at different parts, so that no part has the first of each. What takes longer than
+    a part usually has comes last.
     """
     found: list[list[Problem]] = []
     for listed in CLASSES:
@@ -157,8 +152,9 @@ def in_turns(part: int, parts: int, only: str = "") -> list[Problem]:
             groups.setdefault(each.group, []).append(each)
         found += [own[(part - 1 - len(found) - k) % parts :: parts]
                   for k, own in enumerate(groups.values())]  # fmt: skip
-    turns = itertools.chain(*itertools.zip_longest(*found))
-    return [each for each in turns if each and re.search(only, f"{each.group}: {each.name}")]
+    turns = [each for each in itertools.chain(*itertools.zip_longest(*found))
+             if each and re.search(only, f"{each.group}: {each.name}")]  # fmt: skip
+    return sorted(turns, key=lambda each: each.name.startswith(SLOW))
 
 
 def ask(path: Path, problems: Iterable[Problem], minutes: float, jobs: int = 2) -> None:
