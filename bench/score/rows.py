@@ -168,7 +168,8 @@ def ask(path: Path, problems: Iterable[Problem], minutes: float, jobs: int = 2) 
     for study in {each.study for each in left} - {""}:
         if said := used(study, (each.seed for each in left if each.study == study)):
             raise SystemExit("\n".join(said))
-    with multiprocessing.Pool(jobs) as pool:
+    # Not by forks: a thread of the core may hold a lock.
+    with multiprocessing.get_context("spawn").Pool(jobs) as pool:
         rows, count = pool.imap_unordered(row_of, left), 0
         with contextlib.suppress(multiprocessing.TimeoutError, StopIteration):
             while True:
