@@ -20,7 +20,7 @@ PROGRAMS = {
     "peers": ("peers", "SciPy, heyoka, MuJoCo and magpylib at equal accuracy"),
     "score": ("score", "the diagnosis beside known truths, by class: one scored table"),
     "blind": ("blind.writing", "a made data set of a walker as files (blind KIND SEED INTO)"),
-    "causes": ("causes", "a benchmark for any tool that names causes: make, run"),
+    "causes": ("causes", "a benchmark for any tool that names causes: make, or a tool"),
     "drawn": ("drawn_logs", "drawn logs and tables of known truth, right, noted or refused"),
     "mutations": ("mutations", "whether the tests see a change of the C++ or Python sources"),
     "lines": ("lines", "lines of each wing of the project, beside its budget"),

@@ -6,17 +6,14 @@ A claim is right if it has all that is hidden and nothing else, a set if it hold
 
 from __future__ import annotations
 
-import itertools
-import time
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from typing import Any, NamedTuple, TypeVar
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from stickslip.diagnosis.decision.verdict import CLAIMS
 
-T = TypeVar("T")
 Row = dict[str, Any]
 """A row of the score: see `score.rows`."""
 FEW = 3
@@ -120,12 +117,6 @@ def is_like(row: Row, plain: Row) -> bool:
         abs(one["estimate"] - other["estimate"]) <= NEAR * max(one["sd"], other["sd"])
         for one, other in both
     )
-
-
-def until(minutes: float, items: Iterable[T]) -> Iterator[T]:
-    """Items, of which none is begun after some minutes."""
-    end = time.monotonic() + 60.0 * minutes
-    return itertools.takewhile(lambda _: time.monotonic() <= end, items)
 
 
 def interval(count: float, total: int) -> tuple[float, float]:

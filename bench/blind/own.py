@@ -29,6 +29,8 @@ NOISE, STRENGTH = 0.02, (4.0, 9.0)  # of the readings' scatter, and of a cause's
 CORRELATION, STEP = 0.7, 2.0  # of neighbours; of a coarse meter, in errors
 SLOPE_STEP = 1e-4  # of a constant; of a start that is 0, in its unit
 DECADES, HALVINGS = 2.0, 12  # of the search for a cause's size about the usual one
+WORDS = {"zero": ".shift", "scale": ".error", "late": ".time", "slow": ".time"}
+"""Of the parameters of causes that are not called as these."""
 PLACES = np.repeat(np.linspace(1.0, 6.0, 6), 2)
 HIDDEN = ("none", "listed", "listed", "unlisted")
 ERRORS = ("white", "correlated", "coarse", "uneven scale", "drift")
@@ -119,7 +121,8 @@ def log(kind: str, hidden: str, errors: str, draw: np.random.Generator) -> Drawn
     name = own["input"].partition(" (")[0]
     record = Series(t, seen, {name: u}, unit=own["reads"].rstrip(")").split(" (")[1])
     asked = partial(diagnose_model, model, record)
-    return Drawn(cause, {**base, cause: size}, effect, asked)
+    sizes = {**base, cause + WORDS.get(cause.partition(" ")[0], ""): size}
+    return Drawn(cause, sizes, effect, asked)
 
 
 def _sized(

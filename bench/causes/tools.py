@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import f as f_law
-from scores import until
 
 from causes.make import FOLDER
 from stickslip import Diagnosis, diagnose_model, models
@@ -179,8 +178,10 @@ TOOLS: dict[str, Callable[[Asked], Answer]] = {
 
 def run(tool: str, minutes: float, write: Callable[[Answer], None], have: Answer) -> None:
     """Answer the sets that have no answer yet; begin none after so many minutes."""
-    for name, read in until(minutes, (each for each in asked() if each[0] not in have)):
-        start = time.process_time()
-        have[name] = {**TOOLS[tool](read()), "cpu": round(time.process_time() - start, 2)}
-        print(name, have[name], flush=True)
-        write(have)
+    ends = time.monotonic() + 60.0 * minutes
+    for name, read in asked():
+        if name not in have and time.monotonic() <= ends:
+            start = time.process_time()
+            have[name] = {**TOOLS[tool](read()), "cpu": round(time.process_time() - start, 2)}
+            print(name, have[name], flush=True)
+            write(have)

@@ -28,6 +28,7 @@ OF_WALKERS = ("constant 3 sd", "constant 5 sd", "single", "single, correlated", 
               "near twins", "exact twins", "hiding", "instrument", "model error")  # fmt: skip
 """Families of kinds of walkers in which something listed is hidden."""
 WORDS = {"none": "nothing", "listed": "listed", "unlisted": "not listed"}
+ONE, ALONE = ("rounded", "correlated", "missing"), ("AR 0.5", "AR 0.8", "mean of three")
 READINGS = {"rad/s": ("deg/s", 57.29578), "rad": ("deg", 57.29578), "m": ("mm", 1e3)}
 SLOW = "wheels"  # measured sets that take a quarter of an hour or more
 MILLI = "torque", "force", "command", "power"  # inputs that may be in a thousandth
@@ -117,16 +118,13 @@ def of_own(study: str, count: int) -> Iterator[Problem]:
 
 def _of_own(seed: int, kind: str, hidden: str, errors: str) -> Asked:
     one = own.drawn(seed, kind, hidden, errors)
-    word = made.PARAMETERS.get(one.cause.partition(" ")[0])
-    sizes = {f"{name}.{word}" if word and name == one.cause else name: value
-             for name, value in one.sizes.items()}  # fmt: skip
-    return Asked(one.diagnosed, [one.cause] * bool(one.cause), hidden != "unlisted", sizes)
+    return Asked(one.diagnosed, [one.cause] * bool(one.cause), hidden != "unlisted", one.sizes)
 
 
 def _group(key: made.Key) -> str:
-    if key.condition in made.ALONE:
+    if key.condition in ALONE:
         return "errors alike"
-    word = "one error" if key.condition in made.CONDITIONS else key.condition
+    word = "one error" if key.condition in ONE else key.condition
     word = f"{word}, S = {key.strength:g}" if word == "clean" else word
     return f"made, {'far scale' if key.size else word if key.cause else 'nothing'}"
 
@@ -183,7 +181,7 @@ def _of_logged(key: made.Key, how: str, n: int, plain: str) -> Asked:
 def of_units() -> Iterator[Problem]:
     """Logs of each machine of which one unit is another than is stated."""
     for k, (machine, of) in enumerate(made.MACHINES.items()):
-        fits = {"time": True, "reading": of.unit in READINGS, "input": of.input in MILLI,
+        fits = {"time": True, "reading": of.kind != "thermal", "input": of.input in MILLI,
                 "constant": True}  # fmt: skip
         key = made.Key(first("stated units") + k, machine, "", 0.0, "clean")
         for what in (what for what, may in fits.items() if may):
@@ -233,7 +231,7 @@ def _of_pair(seed: int, place: int) -> Asked:
 def of_walkers() -> Iterator[Problem]:
     """Sets of walkers in which something listed is hidden."""
     kinds = [name for name, each in KINDS.items() if each.family in OF_WALKERS]
-    for kind, seed in [*plan(first("walkers"), 1000, kinds, study=True)][:WALKERS]:
+    for kind, seed in [*plan(first("walkers"), 1000, kinds)][:WALKERS]:
         yield drawn("walkers, listed", "walkers", seed, kind, partial(_of_walker, kind, seed))
 
 
