@@ -137,7 +137,7 @@ def main() -> None:
     parser.add_argument("--against", metavar="FILE", help="or the golden sum of an engine")
     options = parser.parse_args()
     if options.part:
-        ask(options.rows, in_turns(*options.part, options.only), options.minutes)
+        ask(options.rows, in_turns(*options.part, only=options.only), options.minutes)
     elif options.against:
         rows, other = read(options.rows), Path(options.against)
         own = [row for row in rows if row.get("engine", {}).get("golden") == options.against]
