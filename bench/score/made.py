@@ -169,10 +169,10 @@ Hidden = Callable[[float, Terms], Any]
 
 def lagged(begins: Array, ends: Array, time: Array, h: float, value: Array) -> Array:
     """Values behind a lag of lines, one for each step: (1 + steps, copies)."""
-    kept, found = np.exp(-h / np.maximum(time, 1e-12)), [value]
-    for begin, end in zip(begins, ends, strict=True):
-        behind = time / h * (end - begin)
-        value = end - behind + kept * (value - begin + behind)
+    kept, behind = np.exp(-h / np.maximum(time, 1e-12)), time / h * (ends - begins)
+    found = [value]
+    for rest in ends - behind + kept * (behind - begins):
+        value = rest + kept * value
         found.append(value)
     return np.array(found)
 
@@ -195,7 +195,7 @@ def stands_out(effects: Array, moves: Array, stated: Array) -> Array:
     """
     moves = np.vstack([moves, np.diag(stated)])
     effects = np.vstack([effects, np.zeros((len(stated), effects.shape[1]))])
-    left = effects - moves @ np.linalg.lstsq(moves, effects, rcond=None)[0]
+    left = effects - moves @ (np.linalg.pinv(moves, rcond=1e-12) @ effects)
     return np.asarray(np.linalg.norm(left, axis=0))
 
 
