@@ -109,6 +109,41 @@ def _above(x: Any) -> Any:
     return 0.5 * (x + abs(x))  # the part above 0, of a number or of an array
 
 
+def _any(c: Terms, *names: str) -> bool:
+    return any(np.any(c[name] != 0.0) for name in names)
+
+
+def _forces(kind: str, c: Terms, m: Any) -> Callable[..., Any]:
+    """What drives a motor, what its load resists, and dry friction, of a drive and both states."""
+    servo, swings, closed = kind == "servo", kind == "pendulum", "gain" in c
+    hangs, springs = _any(c, "length", "gravity"), _any(c, "stiffness")
+    curved = _any(c, "quadratic_stiffness", "cubic_stiffness")
+    dragged = _any(c, "viscous_asymmetry", "quadratic", "cubic_damping")
+    weight = 9.81 / c["length"] if swings else c["gravity"] * (1.0 + c["mass_error"])
+
+    def forces(drive: Any, x: Any, v: Any, y: Any, w: Any) -> tuple[Any, Any, Any]:
+        if servo:
+            duty = c["gain"] * (drive - y) - c["damping_gain"] * w if closed else drive
+            duty = duty - m.copysign(_above(abs(duty) - c.get("duty_limit", 1e300)), duty)
+            current = (c["supply"] * duty - c["torque_constant"] * v) / c["resistance"]
+            drive = c["torque_constant"] * current
+        elif swings:
+            drive = drive * m.cos(x)
+        resists = c["load"] + (c["stiffness"] * y if springs else 0.0)
+        if hangs:
+            resists = resists + weight * m.sin(y)
+        if curved:
+            resists = resists + (c["quadratic_stiffness"] + c["cubic_stiffness"] * y) * y * y
+        friction = c["coulomb"] + (c["load_friction"] * abs(drive + resists) if servo else 0.0)
+        drive = drive - c["viscous"] * v
+        if dragged:
+            drive = drive - (c["viscous_asymmetry"] + c["quadratic"] * v) * abs(v)
+            drive = drive - c["cubic_damping"] * v**3
+        return drive, resists, friction
+
+    return forces
+
+
 def _moved(kind: str, c: Terms, inputs: Any, h: float, acts: Acts | None) -> Iterator[Any]:
     """The motor's place and speed, or those of a servo's load.
 
@@ -116,53 +151,33 @@ def _moved(kind: str, c: Terms, inputs: Any, h: float, acts: Acts | None) -> Ite
     load meet without rebound across the play.
     """
     m: Any = np if np.ndim(inputs[0]) else math
-    of = defaultdict(float, c)
-    servo, swings, any_of = kind == "servo", kind == "pendulum", lambda *names: any(
-        np.any(of[name] != 0.0) for name in names)  # fmt: skip
-    heavier, gap, share = 1.0 + of["mass_error"], 0.5 * of["backlash"], 0.5
-    whole = c.get("inertia", c.get("mass", 1.0)) * heavier + of["armature"]
+    servo, forces = kind == "servo", _forces(kind, c := defaultdict(float, c), m)
+    gap, share, whole = 0.5 * c["backlash"], 0.5, c.get("inertia", c.get("mass", 1.0))
+    whole = whole * (1.0 + c["mass_error"]) + c["armature"]
     if servo:
-        share = 1.0 - np.maximum(of["armature"] / whole, 0.1)
-    weight = 9.81 / c["length"] if swings else of["gravity"] * heavier
-    rotor, arm, rigid = (1.0 - share) * whole, share * whole, of["compliance"] == 0.0
-    spring = (1.0 - rigid) / (of["compliance"] + rigid)
+        share = 1.0 - np.maximum(c["armature"] / whole, 0.1)
+    rotor, arm, rigid = (1.0 - share) * whole, share * whole, c["compliance"] == 0.0
+    spring = (1.0 - rigid) / (c["compliance"] + rigid)
     damper = 0.1 * (spring * share * rotor) ** 0.5
-    hangs, curved = any_of("length", "gravity"), any_of("quadratic_stiffness", "cubic_stiffness")
-    dragged = any_of("viscous_asymmetry", "quadratic", "cubic_damping")
-    dry, two = any_of("coulomb", "asymmetry", "load_friction"), any_of("backlash", "compliance")
-    falls, springs, held = any_of("stribeck"), any_of("stiffness"), "gain" in c
+    falls, two = _any(c, "stribeck"), _any(c, "backlash", "compliance")
+    dry = falls or _any(c, "coulomb", "asymmetry", "load_friction")
 
     def slowed(v: Any, friction: Any, carried: Any) -> Any:
-        if not dry and not falls:
+        if not dry:
             return v
-        friction = _above(friction + of["asymmetry"] * m.copysign(1.0, v))
+        friction = _above(friction + c["asymmetry"] * m.copysign(1.0, v))
         if falls:
-            friction = friction + of["stribeck"] * m.exp(-((v / c["stribeck_speed"]) ** 2))
+            friction = friction + c["stribeck"] * m.exp(-((v / c["stribeck_speed"]) ** 2))
         return m.copysign(_above(abs(v) - h * friction / carried), v)
 
-    y, w = of["start"] + 0.0 * inputs[0], of["start_speed"] + 0.0 * inputs[0]
-    x, v = y, w
-    ahead = m.copysign(gap, inputs[0] - (y if held else 0.0))
+    x = y = c["start"] + 0.0 * inputs[0]
+    v = w = c["start_speed"] + 0.0 * inputs[0]
+    ahead = m.copysign(gap, inputs[0] - (y if "gain" in c else 0.0))
     x, y = (x + ahead, y) if servo else (x, y - ahead)
     yield (y, w) if servo else (x, v)
     for k, drive in enumerate(inputs):
-        if servo:
-            duty = of["gain"] * (drive - y) - of["damping_gain"] * w if held else drive
-            duty = duty - m.copysign(_above(abs(duty) - c.get("duty_limit", 1e300)), duty)
-            current = (c["supply"] * duty - c["torque_constant"] * v) / c["resistance"]
-            drive = c["torque_constant"] * current
-        elif swings:
-            drive = drive * m.cos(x)
-        resists = of["load"] + (of["stiffness"] * y if springs else 0.0)
-        if hangs:
-            resists = resists + weight * m.sin(y)
-        if curved:
-            resists = resists + (of["quadratic_stiffness"] + of["cubic_stiffness"] * y) * y * y
-        friction = of["coulomb"] + (of["load_friction"] * abs(drive + resists) if servo else 0.0)
-        drive = drive - of["viscous"] * v + (acts(k, y, w) if acts else 0.0)
-        if dragged:
-            drive = drive - (of["viscous_asymmetry"] + of["quadratic"] * v) * abs(v)
-            drive = drive - of["cubic_damping"] * v**3
+        drive, resists, friction = forces(drive, x, v, y, w)
+        drive = drive + (acts(k, y, w) if acts else 0.0)
         if two:
             between = spring * (x - y) + damper * (v - w)
             v, w = v + h * (drive - between) / rotor, w - h * (resists - between) / arm
@@ -173,9 +188,8 @@ def _moved(kind: str, c: Terms, inputs: Any, h: float, acts: Acts | None) -> Ite
             x, y = x + h * v, y + h * w
             y = y + touches * (x - m.copysign(gap, apart) - y)
         else:
-            v = slowed(v + h * (drive - resists) / whole, friction, whole)
-            x = x + h * v
-            y, w = x, v
+            v = w = slowed(v + h * (drive - resists) / whole, friction, whole)
+            x = y = x + h * v
         yield (y, w) if servo else (x, v)
 
 

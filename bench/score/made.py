@@ -367,17 +367,31 @@ def _drawn(
 
 def problems(first_seed: int) -> list[Key]:
     """All problems: each cause by itself, nothing hidden, errors alike, and far scales."""
-    every = [(name, cause) for name, of in MACHINES.items()
-             for cause in ("", *of.causes, *(f"misstated {each}" for each in of.constants))]
+    every = [
+        (name, cause)
+        for name, of in MACHINES.items()
+        for cause in ("", *of.causes, *(f"misstated {each}" for each in of.constants))
+    ]
     asked: list[tuple[str, str, float, str, float]] = []
-    for strength, condition in ((8.0, "clean"), (25.0, "clean"), (25.0, "off the grid"),
-                                (0.0, "all three"), (0.0, "one")):
+    for strength, condition in (
+        (8.0, "clean"),
+        (25.0, "clean"),
+        (25.0, "off the grid"),
+        (0.0, "all three"),
+        (0.0, "one"),
+    ):
         for k, (name, cause) in enumerate(every):
             if MACHINES[name].input or condition != "off the grid":
                 which = CONDITIONS[k % 3] if condition == "one" else condition
                 asked.append((name, cause, strength or (8.0, 25.0)[k // 3 % 2], which, 0.0))
-    asked += [(name, "", 0.0, condition, 0.0) for condition in ("AR 0.5", "AR 0.8", "mean of three")
-              for name in [*MACHINES][:8]]
-    asked += [(name, "scale", 0.0, "clean", size) for size in SCALES
-              for name in ("joint", "joint by its angle", "axis")]
+    asked += [
+        (name, "", 0.0, condition, 0.0)
+        for condition in ("AR 0.5", "AR 0.8", "mean of three")
+        for name in [*MACHINES][:8]
+    ]
+    asked += [
+        (name, "scale", 0.0, "clean", size)
+        for size in SCALES
+        for name in ("joint", "joint by its angle", "axis")
+    ]
     return [Key(first_seed + k, *each) for k, each in enumerate(asked)]
