@@ -19,23 +19,17 @@ import numpy as np
 from causes.make import KINDS, Array, Terms, bent, states
 
 COUNT = 300
-STEPS, FINE = 6, 60  # of the coarser of two integrations, from a reading to the next
-PART = 0.3  # of its usual error by which a constant is moved for its effect
+FINE = 60  # steps from a reading to the next, of the coarser of two integrations
 SIZES = np.geomspace(1e-3, 10.0, 36)  # that are tried, in usual ones
 LIMITS = np.linspace(1.0, 0.1, 36)  # of what falls
 CLOSE, TRIES = 0.02, 5  # to a strength; of draws
-FAR = 1e9  # of a machine that flies away
 TRUSTED = 0.015  # part that is stated as error of a constant where it has to tell
 FALLING, ABSORBED = ("saturation", "duty_limit"), ("scale", "power_error")
-SIGNED = {"asymmetry", "viscous_asymmetry", "load", "gravity", "zero", "scale", "gain_asymmetry",
-          "stiffness", "quadratic_stiffness", "cubic_stiffness", "power_error",
-          "mass_error"}  # fmt: skip
 WORDS = {"zero": ".shift", "scale": ".error", "late": ".time", "slow": ".time"}
 SHAPES = {"stribeck": {"stribeck_speed": 0.1}, "heater_capacity": {"coupling": 2.0},
           "wall_capacity": {"wall_coupling": 2.0}}  # fmt: skip
-CONDITIONS = "rounded", "correlated", "missing"
 ALIKE = {"correlated": 0.5, "all three": 0.5, "AR 0.5": 0.5, "AR 0.8": 0.8}
-SCALES = -0.5, -0.38, -0.3, 0.3, 0.6, 1.2
+SOFT = "joint", "compliance"  # weaker, it is too fast for four readings a period: rigid
 SERVO = {"inertia": 0.04, "resistance": 3.0, "supply": 12.0, "gravity": 0.9, "duty_limit": 1.0}
 
 
@@ -49,9 +43,24 @@ class Machine(NamedTuple):
     rows: tuple[int, int]  # between two switches of the input
     error: float  # of the readings' scatter
     known: dict[str, float]
-    causes: dict[str, float]
-    start: float = 0.0
-    stiff: int = 1  # times the usual steps
+    causes: dict[str, float]  # below 0 of what may have either sign
+
+    @property
+    def begin(self) -> str:
+        return "start_temperature" if self.kind == "thermal" else "start_position"
+
+    @property
+    def start(self) -> float:
+        return {"thermal": 293.0, "pendulum": 0.0 if self.input else 0.9}.get(self.kind, 0.0)
+
+    @property
+    def steps(self) -> int:
+        return {"thermal": 24, "servo": 12}.get(self.kind, 6)
+
+    @property
+    def part(self) -> float:
+        """Of its usual error by which a constant is moved; dry friction bends what is less."""
+        return 0.3 if self.kind == "servo" else 0.01
 
     @property
     def step(self) -> float:
@@ -66,59 +75,47 @@ class Machine(NamedTuple):
 MACHINES = {
     "joint": Machine(
         "joint", "speed (rad/s)", "torque", 0.12, (8, 30), 0.06, {},
-        {"viscous": 0.02, "coulomb": 0.01, "viscous_asymmetry": 0.003, "asymmetry": 0.01,
-         "stribeck": 0.03, "quadratic": 0.001, "load": 0.01, "backlash": 0.1, "compliance": 0.2,
-         "gravity": 0.02, "zero": 0.1, "scale": 0.045, "late torque": 0.01, "slow torque": 0.02,
-         "slow sensor": 0.02},
-    ),
+        {"viscous": 0.02, "coulomb": 0.01, "viscous_asymmetry": -0.003, "asymmetry": -0.01,
+         "stribeck": 0.03, "quadratic": 0.001, "load": -0.01, "backlash": 0.1, "compliance": 0.2,
+         "gravity": -0.02, "zero": -0.1, "scale": -0.045, "late torque": 0.01, "slow torque": 0.02,
+         "slow sensor": 0.02}),
     "joint by its angle": Machine(
         "joint", "angle (rad)", "torque", 0.12, (8, 30), 0.02, {"gravity": 0.15},
-        {"viscous": 0.02, "coulomb": 0.01, "load": 0.01, "backlash": 0.1, "zero": 0.1,
-         "scale": 0.045, "late torque": 0.01, "slow sensor": 0.02},
-    ),
+        {"viscous": 0.02, "coulomb": 0.01, "load": -0.01, "backlash": 0.1, "zero": -0.1,
+         "scale": -0.045, "late torque": 0.01, "slow sensor": 0.02}),
     "axis": Machine(
         "axis", "position (m)", "command", 2.0, (10, 40), 0.005, {},
-        {"viscous": 1.5, "coulomb": 0.1, "viscous_asymmetry": 0.1, "asymmetry": 0.1,
-         "stribeck": 0.3, "quadratic": 0.3, "load": 0.1, "backlash": 0.02, "compliance": 3e-3,
-         "gain_asymmetry": 0.05, "dead_zone": 0.1, "saturation": 2.0, "scale": 0.045,
-         "late command": 0.02, "slow motor": 0.02, "slow sensor": 0.02},
-    ),
+        {"viscous": 1.5, "coulomb": 0.1, "viscous_asymmetry": -0.1, "asymmetry": -0.1,
+         "stribeck": 0.3, "quadratic": 0.3, "load": -0.1, "backlash": 0.02, "compliance": 3e-3,
+         "gain_asymmetry": -0.05, "dead_zone": 0.1, "saturation": 2.0, "scale": -0.045,
+         "late command": 0.02, "slow motor": 0.02, "slow sensor": 0.02}),
     "pendulum": Machine(
         "pendulum", "angle (rad)", "", 0.0, (1, 2), 0.02, {},
-        {"viscous": 0.08, "coulomb": 0.02, "quadratic": 0.02, "stiffness": 0.5, "zero": 0.02,
-         "scale": 0.045, "slow sensor": 0.02},
-        start=0.9,
-    ),
+        {"viscous": 0.08, "coulomb": 0.02, "quadratic": 0.02, "stiffness": -0.5, "zero": -0.02,
+         "scale": -0.045, "slow sensor": 0.02}),
     "pendulum with a moved pivot": Machine(
         "pendulum", "angle (rad)", "pivot", 3.0, (10, 40), 0.02, {},
-        {"coulomb": 0.05, "quadratic": 0.05, "stiffness": 0.5, "zero": 0.02, "scale": 0.045,
-         "late pivot": 0.02, "slow sensor": 0.02},
-    ),
+        {"coulomb": 0.05, "quadratic": 0.05, "stiffness": -0.5, "zero": -0.02, "scale": -0.045,
+         "late pivot": 0.02, "slow sensor": 0.02}),
     "oscillator": Machine(
         "oscillator", "displacement (m)", "force", 4.0, (10, 40), 0.02, {"mass": 1.0},
         {"viscous": 0.5, "coulomb": 0.1, "quadratic": 0.3, "cubic_damping": 0.3,
-         "quadratic_stiffness": 20.0, "cubic_stiffness": 100.0, "zero": 0.01, "scale": 0.045,
-         "late force": 0.01, "slow sensor": 0.01},
-    ),
+         "quadratic_stiffness": -20.0, "cubic_stiffness": -100.0, "zero": -0.01, "scale": -0.045,
+         "late force": 0.01, "slow sensor": 0.01}),
     "heater": Machine(
         "thermal", "temperature (K)", "power", 60.0, (12, 36), 0.02, {"ambient": 293.0},
-        {"loss_growth": 5e-3, "heater_capacity": 5.0, "wall_capacity": 10.0, "power_error": 0.05,
-         "zero": 0.3, "late power": 5.0, "slow thermometer": 5.0},
-        start=293.0, stiff=4,
-    ),
+        {"loss_growth": 5e-3, "heater_capacity": 5.0, "wall_capacity": 10.0, "power_error": -0.05,
+         "zero": -0.3, "late power": 5.0, "slow thermometer": 5.0}),
     "servo": Machine(
         "servo", "position (rad)", "goal", 0.4, (15, 40), 0.01, {**SERVO, "gain": 1.2},
-        {"viscous": 0.05, "coulomb": 0.05, "gravity": 0.5, "mass_error": 0.1, "armature": 2e-3,
+        {"viscous": 0.05, "coulomb": 0.05, "gravity": -0.5, "mass_error": -0.1, "armature": 2e-3,
          "load_friction": 0.05, "stribeck": 0.05, "backlash": 0.02, "duty_limit": 1.0,
-         "zero": 0.01, "scale": 0.045, "late goal": 0.01, "slow goal": 0.01, "slow sensor": 0.01},
-        stiff=2,
-    ),
+         "zero": -0.01, "scale": -0.045, "late goal": 0.01, "slow goal": 0.01,
+         "slow sensor": 0.01}),
     "servo by its duty": Machine(
         "servo", "position (rad)", "duty", 0.15, (15, 40), 0.01, SERVO,
-        {"mass_error": 0.1, "armature": 2e-3, "load_friction": 0.05, "stribeck": 0.05,
-         "backlash": 0.02, "zero": 0.01, "scale": 0.045, "late duty": 0.01, "slow sensor": 0.01},
-        stiff=2,
-    ),
+        {"mass_error": -0.1, "armature": 2e-3, "load_friction": 0.05, "stribeck": 0.05,
+         "backlash": 0.02, "zero": -0.01, "scale": -0.045, "late duty": 0.01, "slow sensor": 0.01}),
 }  # fmt: skip
 
 
@@ -188,17 +185,6 @@ def excited(of: Machine, draw: np.random.Generator, off_grid: bool) -> tuple[Arr
     return of.step * np.r_[-COUNT, rows - late, 2 * COUNT], np.r_[0.0, u, 0.0]
 
 
-def stands_out(effects: Array, moves: Array, stated: Array) -> Array:
-    """Norms of effects after a fit of moves, of which `stated` ones count as readings.
-
-    All in standard deviations.
-    """
-    moves = np.vstack([moves, np.diag(stated)])
-    effects = np.vstack([effects, np.zeros((len(stated), effects.shape[1]))])
-    left = effects - moves @ (np.linalg.pinv(moves, rcond=1e-12) @ effects)
-    return np.asarray(np.linalg.norm(left, axis=0))
-
-
 class Hiding(NamedTuple):
     """A machine with true and uncertain constants, and a cause that may have some `sizes`."""
 
@@ -250,32 +236,39 @@ class Hiding(NamedTuple):
 
     def error(self) -> float:
         """Standard deviation of a reading."""
-        return self.of.error * float(np.std(self.seen([{}], STEPS * self.of.stiff)))
+        return self.of.error * float(np.std(self.seen([{}], self.of.steps)))
 
     def strengths(self, sizes: Array, rough: bool = False) -> dict[str, Array]:
         """Strengths of the cause with some sizes, by what tells them."""
         # Start values move readings by some errors, at once or in ten rows.
         sd, ten = self.error(), 10.0 * self.of.step
         place = 3.0 * sd * (ten if "speed" in self.of.reads else 1.0)
-        parts = {name: PART * self.of.constants[name][1] for name in self.stated}
+        parts = {name: self.of.part * self.of.constants[name][1] for name in self.stated}
         parts |= {"start": place, "start_speed": place / ten}
         moved = [{name: self.true[name] + way * part}
                  for name, part in parts.items() for way in (1.0, -1.0)]  # fmt: skip
         seen = self.seen([{}, *moved, *({self.cause: size} for size in sizes)],
-                         STEPS * self.of.stiff, rough)  # fmt: skip
-        seen = np.clip(np.nan_to_num(seen[self.kept], nan=FAR), -FAR, FAR) / sd
+                         self.of.steps, rough)  # fmt: skip
+        seen = np.clip(np.nan_to_num(seen[self.kept], nan=1e9), -1e9, 1e9) / sd
         moves, effects = seen[:, 1 : 1 + len(moved)], seen[:, 1 + len(moved) :] - seen[:, :1]
         errors = [*(sd for _, sd in self.stated.values()), 1.0, 1.0]
         moves = (moves[:, ::2] - moves[:, 1::2]) * 0.5 * errors / [*parts.values()]
-        stated = np.r_[np.ones(len(self.stated)), 0.0, 0.0]
-        return {by: stands_out(effects, moves, stated * (by == "stated"))
-                for by in ("readings", "stated")}  # fmt: skip
+        if self.cause in self.stated:  # which a fit undoes, however large it is
+            off = (sizes - self.true[self.cause]) / self.stated[self.cause][1]
+            effects = np.outer(moves[:, [*self.stated].index(self.cause)], off)
+        stated = np.diag(np.r_[np.ones(len(self.stated)), 0.0, 0.0])
+        effects, found = np.vstack([effects, np.zeros((len(errors), len(sizes)))]), {}
+        for by, part in (("readings", 0.0), ("stated", 1.0)):
+            rows = np.vstack([moves, part * stated])
+            left = effects - rows @ (np.linalg.pinv(rows, rcond=1e-12) @ effects)
+            found[by] = np.linalg.norm(left, axis=0)
+        return found
 
     def found(self, strength: float, rules: tuple[str, ...]) -> tuple[float, float, str]:
         """The size of a strength, its strength, and what tells it."""
         rough = self.strengths(np.concatenate(self.sizes), rough=True)
         begins = np.cumsum([0, *map(len, self.sizes)])
-        for by, (begin, sizes) in itertools.product(rules, zip(begins, self.sizes)):
+        for by, (begin, sizes) in itertools.product(rules, zip(begins, self.sizes, strict=False)):
             known = rough[by][begin : begin + len(sizes)]
             at = np.flatnonzero((known[:-1] < strength) & (known[1:] >= strength))[:1]
             for k in at.tolist():
@@ -327,8 +320,8 @@ def _drawn(
         stated = {each: (value, TRUSTED * value) for each, (value, _) in stated.items()}
     true = {each: value + sd * float(np.clip(draw.standard_normal(), -2.0, 2.0))
             for each, (value, sd) in stated.items()}  # fmt: skip
-    sizes = usual * (LIMITS if name in FALLING else SIZES)
-    ways = draw.permutation([-1.0, 1.0]) if name in SIGNED or misstated else [1.0]
+    sizes = abs(usual) * (LIMITS if name in FALLING else SIZES)
+    ways = draw.permutation([-1.0, 1.0]) if usual < 0.0 or misstated else [1.0]
     tried, rules = [way * sizes for way in ways], ("readings", "stated")
     if misstated:
         true[name] = value = stated[name][0]
@@ -343,9 +336,9 @@ def _drawn(
     lost = draw.random(COUNT) < 0.1 * (key.condition in ("missing", "all three"))
     kept = np.flatnonzero(~lost | (np.arange(COUNT) == 0))
     hiding = Hiding(of, true, stated, knots, u, kept, name, tried, hidden)
-    size, strength, by = key.size, 0.0, rules[-1]
+    size, strength, by = key.size, 0.0, ""
     if key.size:
-        strength = float(hiding.strengths(np.array([size]))[by][0])
+        strength, by = float(hiding.strengths(np.array([size]))["stated"][0]), "stated"
     elif cause:
         size, strength, by = hiding.found(key.strength, rules)
     plain, sd = hiding.seen([{name: size} if name else {}], FINE)[:, 0], hiding.error()
@@ -360,38 +353,26 @@ def _drawn(
     reads, _, unit = of.reads.rstrip(")").partition(" (")
     return Made(
         f"{key.machine}, {cause or 'nothing'}, {key.strength:g}, {key.condition}", of.kind, reads,
-        unit, t[kept], inputs, y[kept], stated, known, (), name, by, told, {**true, **told},
-        strength, key.condition, key.seed, sd, plain[kept],
+        unit, t[kept], inputs, y[kept], stated, known, (), name, by, told,
+        {**true, of.begin: of.start, **told}, strength, key.condition, key.seed, sd, plain[kept],
     )  # fmt: skip
 
 
 def problems(first_seed: int) -> list[Key]:
     """All problems: each cause by itself, nothing hidden, errors alike, and far scales."""
-    every = [
-        (name, cause)
-        for name, of in MACHINES.items()
-        for cause in ("", *of.causes, *(f"misstated {each}" for each in of.constants))
-    ]
-    asked: list[tuple[str, str, float, str, float]] = []
-    for strength, condition in (
-        (8.0, "clean"),
-        (25.0, "clean"),
-        (25.0, "off the grid"),
-        (0.0, "all three"),
-        (0.0, "one"),
-    ):
-        for k, (name, cause) in enumerate(every):
-            if MACHINES[name].input or condition != "off the grid":
-                which = CONDITIONS[k % 3] if condition == "one" else condition
-                asked.append((name, cause, strength or (8.0, 25.0)[k // 3 % 2], which, 0.0))
-    asked += [
-        (name, "", 0.0, condition, 0.0)
-        for condition in ("AR 0.5", "AR 0.8", "mean of three")
-        for name in [*MACHINES][:8]
-    ]
-    asked += [
-        (name, "scale", 0.0, "clean", size)
-        for size in SCALES
-        for name in ("joint", "joint by its angle", "axis")
-    ]
+    every = [(name, cause) for name, of in MACHINES.items()
+             for cause in ("", *of.causes, *(f"misstated {one}" for one in of.constants))
+             ]  # fmt: skip
+    parts = ((8.0, ["clean"]), (25.0, ["clean"]), (25.0, ["off the grid"]),
+             (0.0, ["all three"]), (0.0, ["rounded", "correlated", "missing"]))  # fmt: skip
+    asked: list[tuple[Any, ...]] = [
+        (name, cause, 25.0 if (name, cause) == SOFT else strength or (8.0, 25.0)[k // 3 % 2],
+         conditions[k % len(conditions)])
+        for strength, conditions in parts for k, (name, cause) in enumerate(every)
+        if MACHINES[name].input or "off the grid" not in conditions
+    ]  # fmt: skip
+    asked += [(name, "", 0.0, condition) for condition in ("AR 0.5", "AR 0.8", "mean of three")
+              for name in [*MACHINES][:8]]  # fmt: skip
+    asked += [(name, "scale", 0.0, "clean", size) for size in (-0.5, -0.38, -0.3, 0.3, 0.6, 1.2)
+              for name in ("joint", "joint by its angle", "axis")]  # fmt: skip
     return [Key(first_seed + k, *each) for k, each in enumerate(asked)]
