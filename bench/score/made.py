@@ -55,7 +55,7 @@ class Machine(NamedTuple):
 
     @property
     def steps(self) -> int:
-        return {"thermal": 24, "servo": 12}.get(self.kind, 6)
+        return {"thermal": 24, "servo": 12, "pendulum": 12}.get(self.kind, 6)
 
     @property
     def part(self) -> float:
@@ -94,7 +94,7 @@ MACHINES = {
         {"viscous": 0.08, "coulomb": 0.02, "quadratic": 0.02, "stiffness": -0.5, "zero": -0.02,
          "scale": -0.045, "slow sensor": 0.02}),
     "pendulum with a moved pivot": Machine(
-        "pendulum", "angle (rad)", "pivot", 3.0, (10, 40), 0.02, {},
+        "pendulum", "angle (rad)", "pivot", 1.5, (10, 40), 0.02, {},
         {"coulomb": 0.05, "quadratic": 0.05, "stiffness": -0.5, "zero": -0.02, "scale": -0.045,
          "late pivot": 0.02, "slow sensor": 0.02}),
     "oscillator": Machine(
