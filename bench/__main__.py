@@ -19,10 +19,10 @@ PROGRAMS = {
     "golden": ("golden", "whether the diagnosis says of stored problems what it said before"),
     "paper": ("paper", "the paper's simulations redone, its statements tested, its figures"),
     "peers": ("peers", "SciPy, heyoka, MuJoCo and magpylib at equal accuracy"),
-    "blind": ("blind", "the blind study of the diagnosis: make, diagnose, judge, tables ..."),
-    "causes": ("causes", "a benchmark for any tool that names causes: make, run, score"),
+    "score": ("score", "the diagnosis beside known truths, by class: one scored table"),
+    "blind": ("blind.writing", "a made data set of a walker as files (blind KIND SEED INTO)"),
+    "causes": ("causes", "a benchmark for any tool that names causes: make, or a tool"),
     "drawn": ("drawn_logs", "drawn logs and tables of known truth, right, noted or refused"),
-    "real": ("real.study", "measured sets with a known cause, diagnosed and judged"),
     "mutations": ("mutations", "whether the tests see a change of the C++ or Python sources"),
     "lines": ("lines", "lines of each wing of the project"),
 }

@@ -6,70 +6,117 @@ A claim is right if it has all that is hidden and nothing else, a set if it hold
 
 from __future__ import annotations
 
-import itertools
-import time
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from typing import NamedTuple, TypeVar
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from stickslip.diagnosis.decision.verdict import CLAIMS
 
-T = TypeVar("T")
+Row = dict[str, Any]
+"""A row of the score: see `score.rows`."""
 FEW = 3
 """Members of a set that is an answer. Chosen: standards of testability, as MIL-STD-2165, ask for
 faults isolated to one, two or three units."""
 OUTCOMES = ("right name", "right set", "large set", "silent", "wrong set", "wrong name",
             "rightly silent")  # fmt: skip
+LOW = 0.05  # p-value of a test that finds something
+NEAR = 2.0  # standard errors between sizes that two forms of one log give
 
 
 class Answer(NamedTuple):
     """A verdict or a word of another tool, its causes, and what is hidden of what is listed.
 
-    twins: Causes that no reading can tell from those that are hidden.
+    also: Causes that may act besides; where they are stated, a part of what is hidden is an answer.
     """
 
     said: str
     causes: Collection[str]
     truth: Collection[str]
-    twins: Collection[str] = ()
+    also: Collection[str] | None = None
 
     @property
     def claims(self) -> bool:
-        return self.said in CLAIMS
+        # A problem of the data has a cause if it is a unit.
+        return self.said in CLAIMS or (self.said == "data-problem" and bool(self.causes))
 
     @property
     def outcome(self) -> str:
         """One of `OUTCOMES`."""
         causes, truth = set(self.causes), set(self.truth)
-        if not self.claims and not (self.said == "ambiguous" and causes):
+        if self.also is not None:
+            causes -= set(self.also)
+            truth = truth & causes or truth
+        if not causes or not (self.claims or self.said == "ambiguous"):
             return "silent" if truth else "rightly silent"
         if self.claims:
             return "right name" if truth and causes == truth else "wrong name"
         if not truth or not truth <= causes:
             return "wrong set"
-        return "right set" if len(causes) <= FEW else "large set"
+        return "right set" if len(self.causes) <= FEW else "large set"
 
     @property
     def credit(self) -> float:
-        """The share of the named group that is true, 0 to 1; 0 where it lacks what is hidden.
+        """The share of the named group that is true: of n causes 1/n; 0 where it lacks the truth.
 
-        1 for a right name and for a whole group of exact twins, 1/n for one cause in a set of n.
         Of one cause among many this is the utility of ambiguity groups of the diagnostic
         competition DXC 2026 (https://github.com/jdekleer/dxc26synth, after Feldman and others,
         International Journal of Prognostics and Health Management 1, 2010), with silence at 0.
         """
         causes, truth = set(self.causes), set(self.truth)
-        if not truth or self.said not in (*CLAIMS, "ambiguous") or not truth <= causes:
-            return 0.0
-        return len(causes & (truth | set(self.twins))) / len(causes)
+        says = self.claims or self.said == "ambiguous"
+        return len(truth) / len(causes) if says and truth and truth <= causes else 0.0
 
 
-def until(minutes: float, items: Iterable[T]) -> Iterator[T]:
-    """Items, of which none is begun after some minutes."""
-    end = time.monotonic() + 60.0 * minutes
-    return itertools.takewhile(lambda _: time.monotonic() <= end, items)
+def answer(row: Row) -> Answer:
+    """The answer of a row.
+
+    A size that is far from a known one makes a claim wrong. Of two logs, what both sides have is no
+    difference; if their inputs are alike, `unexplained` is a change too.
+    """
+    said, causes = row["said"], [*row["causes"], *row.get("far", ())]
+    truth = row["truth"] if row["listed"] else []
+    if "alike" in row:
+        causes = [name for name in causes if "[" in name]
+        if said in (*CLAIMS, "ambiguous") and not causes:
+            said = "none"
+        if not truth and said == "unexplained" and row["alike"]:
+            said, causes = "ambiguous", ["?"]
+    return Answer(said, causes, truth, also=row.get("also"))
+
+
+def counts(rows: Iterable[Row], plain: Mapping[str, Row]) -> Counter[str]:
+    """Counts of each outcome, of sizes within their 95 % intervals, and of others.
+
+    `plain` has the rows of the plain logs that others were made of, by problem.
+    """
+    found: Counter[str] = Counter()
+    for row in rows:
+        found["rows"] += 1
+        found[answer(row).outcome] += 1
+        if not row["truth"]:
+            found["nothing"] += 1
+            found["none"] += row["said"] == "none"
+            found["low p"] += row.get("p", 1.0) < LOW
+        for size in row.get("sizes", ()):
+            found["sizes"] += 1
+            found["held"] += size["low"] <= size["true"] <= size["high"]
+        if row.get("plain") in plain:
+            found["logs"] += 1
+            found["as plain"] += is_like(row, plain[row["plain"]])
+    return found
+
+
+def is_like(row: Row, plain: Row) -> bool:
+    """Whether a row says what that of the plain log says, with sizes near to its own."""
+    sizes = [{size["name"]: size for size in each.get("sizes", ())} for each in (row, plain)]
+    both = ((one, sizes[1][name]) for name, one in sizes[0].items() if name in sizes[1])
+    said = [(each["said"], sorted(each["causes"])) for each in (row, plain)]
+    return said[0] == said[1] and all(
+        abs(one["estimate"] - other["estimate"]) <= NEAR * max(one["sd"], other["sd"])
+        for one, other in both
+    )
 
 
 def interval(count: float, total: int) -> tuple[float, float]:
@@ -82,29 +129,7 @@ def interval(count: float, total: int) -> tuple[float, float]:
     return (0.0 if count == 0 else low), (1.0 if count == total else high)
 
 
-def share(count: float, total: int) -> str:
-    """A count or a sum of credits with its interval."""
-    low, high = interval(count, total)
-    said = f"{count}" if isinstance(count, int) else f"{count / total:.2f}"
-    return f"{said} ({100 * low:.0f} to {100 * high:.0f} %)"
-
-
 def markdown(heads: str, rows: Sequence[Sequence[object]]) -> str:
     columns = heads.split(";")
     lines = [columns, ["---"] * len(columns), *rows]
     return "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines)
-
-
-def table(groups: Mapping[str, Sequence[Answer]]) -> str:
-    """Markdown table of groups of answers: the count of each outcome, and the mean credit."""
-    counts = {name: Counter(each.outcome for each in group) for name, group in groups.items()}
-    shown = [each for each in OUTCOMES if any(count[each] for count in counts.values())]
-    rows = []
-    for name, group in groups.items():
-        if group:
-            cells = [share(counts[name][each], len(group)) if counts[name][each] else "0"
-                     for each in shown]  # fmt: skip
-            hides = all(each.truth for each in group)
-            credit = share(float(sum(each.credit for each in group)), len(group))
-            rows.append((name, len(group), *cells, credit if hides else "-"))
-    return markdown(";".join(("sets", "number", *shown, "score of groups")), rows)

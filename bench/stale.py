@@ -29,9 +29,9 @@ def digest() -> str:
 def stale(rows: Iterable[Mapping[str, Any]]) -> list[str]:
     """The line that marks rows of another engine; none where all are of the present one.
 
-    The golden verdicts of a row are its ``golden``, or that of its ``state``.
+    The golden verdicts of a row are its ``golden``, or that of its ``engine``.
     """
-    present, stated = digest(), [row.get("state", row).get("golden") for row in rows]
+    present, stated = digest(), [row.get("engine", row).get("golden") for row in rows]
     old = sum(each != present for each in stated)
     if not old:
         return []

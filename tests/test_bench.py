@@ -6,7 +6,6 @@ import sys
 from pathlib import Path
 
 import pytest
-from causes.__main__ import KEPT, shown
 
 BENCH = Path(__file__).resolve().parents[1] / "bench"
 PROGRAMS = runpy.run_path(str(BENCH / "__main__.py"))["PROGRAMS"]
@@ -23,12 +22,8 @@ def test_the_list_has_each_program():
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
-@pytest.mark.daily("lines", "causes", "against")
+@pytest.mark.daily("lines", "score", "against")
 def test_a_program_has_help(name):
     done = bench(name, "--help")
     assert (done.returncode, done.stderr) == (0, "")
     assert f"bench {name}" in done.stdout or "usage: " in done.stdout
-
-
-def test_the_page_of_named_causes_has_what_is_counted():
-    assert shown(KEPT)[-1] in (BENCH / "causes" / "README.md").read_text()

@@ -1,6 +1,6 @@
 """A few data sets of the blind study: an independent simulator made them, the diagnosis reads them.
 
-The study itself, `python -m bench blind`, has hundreds. These seeds are fixed and the verdicts were
+The walkers of `python -m bench score` are others. These seeds are fixed and the verdicts were
 sound when they were chosen, so this guards against falling back and gives no rate.
 """
 

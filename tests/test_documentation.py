@@ -9,15 +9,10 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from blind import own
-from blind.finished import answer_of_change
-from blind.scoring import Case, read
-from blind.study import lines
 from causes.__main__ import ANSWERS
-from causes.make import TRUTH
-from causes.score import judged
 from report_keys import WORDS, reference
-from scores import CLAIMS, Answer
+from score.rows import HERE, read
+from scores import answer, counts
 
 import stickslip
 from documentation_blocks import DOCS, PAGES, ROOT, blocks, by_name, pages, play
@@ -28,9 +23,7 @@ from stickslip.scenario.effects import is_free_shape
 from test_reference_agreement import AGREEMENT, SCENARIOS
 
 MEASURED = DOCS / "measured"
-STUDY = ROOT / "bench" / "blind" / "study" / "record.jsonl"
-LAWS = ROOT / "bench" / "blind" / "laws" / "record.jsonl"
-OWN = STUDY.with_name("own.jsonl")
+EARLIER = read(HERE / "earlier.jsonl")
 
 
 def modules():
@@ -103,27 +96,120 @@ def test_the_page_for_assistants_has_each_verdict_and_exit_status_and_names_keys
 
 def beside_other_tools():
     """Counts of the benchmark of named causes, walkers apart, as the README has them."""
-    truths = {name: truth for name, truth in json.loads(TRUTH.read_text()).items()
-              if truth["cause"] and not name.startswith("walker")}  # fmt: skip
-    yield f"on {len(truths)} questions about logs of five machines"
     for tool, words in (("best-BIC", "least squares, best BIC"), ("stepwise-F", "stepwise F-tests"),
                         ("stickslip", "stickslip")):  # fmt: skip
-        answers = json.loads((ANSWERS / f"{tool}.json").read_text())
-        said = {listed: [judged(answers[name], truth).outcome for name, truth in truths.items()
-                         if truth["listed"] is listed] for listed in (True, False)}  # fmt: skip
-        yes, no = said[True], said[False]
+        rows = EARLIER if tool == "stickslip" else read(ANSWERS / f"{tool}.json")
+        yes, no = (outcomes(f"logs, {which}", rows) for which in ("listed", "not listed"))
+        yield f"on {yes.total() + no.total()} questions about logs of five machines"
         yield (
-            f"| {words} | {yes.count('right name')} of {len(yes)} |"
-            f" {yes.count('right set') + yes.count('large set')} | {yes.count('wrong name')} |"
-            f" {no.count('wrong name')} of {len(no)} | {no.count('wrong set')} |"
+            f"| {words} | {yes['right name']} of {yes.total()} |"
+            f" {yes['right set'] + yes['large set']} | {yes['wrong name']} |"
+            f" {no['wrong name']} of {no.total()} | {no['wrong set']} |"
         )
+
+
+def of_class(name, rows=EARLIER):
+    return [row for row in rows if f"{row['class']}, ".startswith(f"{name}, ")]
+
+
+def outcomes(name, rows=EARLIER):
+    return Counter(answer(row).outcome for row in of_class(name, rows))
+
+
+def claims(rows):
+    return sum(answer(row).claims for row in rows) or "none"
 
 
 def most_of(rows):
     """The commit of most rows of a study, all of one engine by its golden verdicts."""
     rows = list(rows)
-    (_,) = {row["state"]["golden"] for row in rows}
-    return Counter(row["state"]["commit"] for row in rows).most_common(1)[0][0]
+    (_,) = {row["engine"]["golden"] for row in rows}
+    return Counter(row["engine"]["commit"] for row in rows).most_common(1)[0][0]
+
+
+def counts_of_own():
+    """Sentences on models of one's own, which are of one engine."""
+    rows = of_class("own")
+    (commit,) = {row["engine"]["commit"] for row in rows}
+    listed, unlisted = outcomes("own, listed"), of_class("own, not listed")
+    alike, unlike = (of_class(f"own, not listed, {each}") for each in ("alike", "unlike"))
+    lines = of_class("own, not listed, unlike, few repeats")
+    nothing = of_class("own, nothing")
+    return [
+        f"as of commit `{commit}`: {len(rows)} made logs and tables",
+        f"Of {listed.total()} with a hidden cause that is listed it claims the right one in"
+        f" {listed['right name']}, and another in {listed['wrong name'] or 'none'}; in"
+        f" {listed['right set']} more it gives a set of at most three that holds it.",
+        f"Of {len(unlisted)} whose cause is not listed it claims another one in"
+        f" {claims(unlisted)}: in {claims(alike)} of {len(alike)} where a listed one acts"
+        f" alike, and in {claims(row for row in unlike if row not in lines)} of"
+        f" {len(unlike) - len(lines)} logs and {claims(lines)} of {len(lines)} tables where none"
+        f" does. With nothing hidden it claims a cause in {claims(nothing)} of {len(nothing)}.",
+    ]
+
+
+def counts_of_walkers_and_laws():
+    hiding, other = outcomes("walkers, listed"), outcomes("walkers, not listed")
+    rows, empty = of_class("walkers"), of_class("walkers, nothing")
+    yield f"{len(rows)} sets of walkers, as of commit `{most_of(rows)}`"
+    yield (
+        f"Of {hiding.total()} with hidden causes or constants that are listed it claims such ones"
+        f" in {hiding['right name']}, and others in {hiding['wrong name'] or 'none'}; in"
+        f" {hiding['right set']} more it gives such a set."
+    )
+    yield (
+        f"Of {other.total()} whose cause is not listed it claims a listed one in"
+        f" {other['wrong name'] or 'none'}, and of {len(empty)} with nothing hidden in"
+        f" {claims(empty)}."
+    )
+    laws, sound = outcomes("laws, a law"), of_class("laws, nothing")
+    rows = of_class("laws")
+    yield f"{len(rows)} sets of 24 velocities, as of commit `{most_of(rows)}`"
+    yield (
+        f"Of {laws.total()} with such a law it claims where it acts in {laws['right name']}, and a"
+        f" cause that acts elsewhere in {laws['wrong name'] or 'none'}; of {len(sound)} with"
+        f" nothing hidden it claims a cause in {claims(sound)}."
+    )
+
+
+def counts_of_logs():
+    clean, servos = of_class("clean"), outcomes("servo, listed")
+    idle, twins = of_class("servo, nothing"), outcomes("twins")
+    yield (
+        f"Of {len(clean)} more with nothing hidden it claims a cause in"
+        f" {claims(clean)} (commit `{clean[0]['engine']['commit']}`)"
+    )
+    yield (
+        f"Of {servos.total()} servos with a hidden cause {servos['right name']} are named,"
+        f" {servos['right set']} are in a set of at most three, and"
+        f" {servos['wrong name'] or 'none'} gets another name; of {len(idle)} without one"
+        f" {claims(idle)} is claimed (commit `{idle[0]['engine']['commit']}`)"
+    )
+    units = sum((outcomes(f"units not stated, {each}")
+                 for each in ("time", "reading", "input", "constant")), Counter())  # fmt: skip
+    yield (
+        f"Of {units.total()} logs in a unit that nobody stated, {units['right name']} are told"
+        f" with the right factor and {units['wrong name'] or 'none'} is named without it."
+    )
+    yield (
+        f"Of {twins.total()} logs of near twins that a distorted sensor has read,"
+        f" {twins['right name']} get the right name, {twins['right set']} a set of at"
+        f" most three that holds it, {twins['wrong name'] or 'none'} a wrong name."
+    )
+    rms = {
+        kind: np.sqrt(np.mean([((one["estimate"] - one["true"]) / one["sd"]) ** 2
+                               for row in of_class(f"late, {kind}") for one in row["sizes"]]))
+        for kind in ("held", "line")
+    }  # fmt: skip
+    yield (
+        f"The delay of an input, told of {len(of_class('late'))} logs, is off by"
+        f" {rms['held']:.2f} (held inputs) and {rms['line']:.2f} (lines) of its standard errors"
+    )
+    sizes = counts(of_class("intervals"), {})
+    yield (
+        f"Of {sizes['sizes']} sizes beside an error of the model {sizes['held']} lie in their"
+        " 95 % intervals"
+    )
 
 
 def measured_words():
@@ -156,115 +242,15 @@ def measured_words():
         *(sum(row[what] for row in kinds) for what in ("said", "wrongly")),
     )
     stated = sum(not is_free_shape(each.name) for each in stickslip.effects())
-    rows = list(lines(OWN))
-    # The study is of one engine.
-    (commit,) = {row["state"]["commit"] for row in rows}
-    listed, unlisted, nothing = (
-        [row for row in rows if row["hidden"] == each] for each in ("listed", "unlisted", "none")
-    )
-    alike = [row for row in unlisted if own.group(row).endswith(" alike")]
-    unlike = {
-        of_line: [
-            row for row in unlisted if row not in alike and (row["kind"] == "line") == of_line
-        ]
-        for of_line in (True, False)
-    }
-
-    def claims_of(some):
-        return sum(own.answer(row).claims for row in some) or "none"
-
-    right, sets = (
-        sum(own.answer(row).outcome == each for row in listed)
-        for each in ("right name", "right set")
-    )
-    counts = [
-        f"as of commit `{commit}`: {len(rows)} made logs and tables",
-        f"Of {len(listed)} with a hidden cause that is listed it claims the right one in {right},"
-        f" and another in {'none' if claims_of(listed) == right else claims_of(listed) - right}; in"
-        f" {sets} more it gives a set of at most three that holds it.",
-        f"Of {len(unlisted)} whose cause is not listed it claims another one in"
-        f" {claims_of(unlisted)}: in {claims_of(alike)} of {len(alike)} where a listed one acts"
-        f" alike, and in {claims_of(unlike[False])} of {len(unlike[False])} logs and"
-        f" {claims_of(unlike[True])} of {len(unlike[True])} tables where none does. With nothing"
-        f" hidden it claims a cause in {claims_of(nothing)} of {len(nothing)}.",
-    ]
-    record = read(STUDY)
-    judged = most_of(record)
-    walkers = [case for case in map(Case, record) if case.counted]
-    hiding, other, empty = (
-        [case for case in walkers if case.group == each]
-        for each in ("listed", "unlisted", "nothing")
-    )
-    claims = sum(case.any_claim for case in hiding)
-    right_ones = sum(case.any_claim and case.causes <= case.all_hidden for case in hiding)
-    in_sets = sum(case.told.outcome == "right set" for case in hiding)
-    wrong_ones = sum(case.any_claim and not case.place_right for case in other)
-    counts_of_walkers = [
-        f"{len(record)} sets of walkers, as of commit `{judged}`",
-        f"Of {len(hiding)} with hidden causes or constants that are listed it claims such ones in"
-        f" {right_ones}, and others in {claims - right_ones or 'none'}; in {in_sets} more it gives"
-        " such a set.",
-        f"Of {len(other)} whose cause is not listed it claims a listed one in"
-        f" {wrong_ones or 'none'}, and of {len(empty)} with nothing hidden in"
-        f" {sum(case.any_claim for case in empty) or 'none'}.",
-    ]
-    cases = [case for case in map(Case, read(LAWS)) if case.counted]
-    law, sound = (
-        [case for case in cases if case.group == each] for each in ("unlisted", "nothing")
-    )
-    shaped = [case for case in law if case.right_shape]
-    counts_of_laws = [
-        f"{len(cases)} sets of 24 velocities, as of commit `{most_of(case.row for case in cases)}`",
-        f"Of {len(law)} with such a law the diagnosis says where it acts in"
-        f" {sum(case.hook_right for case in law)}, and claims a cause that acts elsewhere in"
-        f" {sum(case.any_claim and not case.hook_right for case in law) or 'none'}. In"
-        f" {len(shaped)} it tells a curve; in {sum(case.form_among(True) for case in shaped)} of"
-        f" these the right form is one of those that have 95 %. Of {len(sound)} with nothing"
-        f" hidden it claims a cause in {sum(case.any_claim for case in sound) or 'none'}.",
-    ]
-    logs = {
-        name: list(lines(OWN.with_name(f"{name}.jsonl")))
-        for name in ("units", "twins", "late", "clean", "servo")
-    }
-    servos = [[own.answer(row).outcome for row in logs["servo"] if bool(row["cause"]) == hidden]
-              for hidden in (True, False)]  # fmt: skip
-    wrong = [row for row in logs["units"] if row["wrong"]]
-    bare = sum(row["verdict"] in CLAIMS and not row["told"] for row in wrong)
-    told = [Answer(row["verdict"], row["causes"], [row["cause"]]).outcome for row in logs["twins"]]
-    off = {line: [row["z"] for row in logs["late"] if row["input"] == line]
-           for line in ("held", "line")}  # fmt: skip
-    rms = {line: np.sqrt(np.mean(np.square(each))) for line, each in off.items()}
-    counts_of_logs = [
-        f"Of {len(logs['clean'])} more with nothing hidden it claims a cause in"
-        f" {claims_of(logs['clean'])} (commit `{logs['clean'][0]['state']['commit']}`)",
-        f"Of {len(servos[0])} servos with a hidden cause {servos[0].count('right name')} are named,"
-        f" {servos[0].count('right set')} are in a set of at most three, and"
-        f" {servos[0].count('wrong name') or 'none'} gets another name; of {len(servos[1])} without"
-        " one"
-        f" {claims_of(row for row in logs['servo'] if not row['cause'])} is claimed (commit"
-        f" `{logs['servo'][0]['state']['commit']}`)",
-        f"Of {len(wrong)} logs in a unit that nobody stated,"
-        f" {sum(row['right'] for row in wrong)} are told with the right factor and"
-        f" {bare or 'none'} is named without it.",
-        f"Of {len(told)} logs of near twins that a distorted sensor has read,"
-        f" {told.count('right name')} get the right name, {told.count('right set')} a set of at"
-        f" most three that holds it, {told.count('wrong name') or 'none'} a wrong name.",
-        f"The delay of an input, told of {sum(map(len, off.values()))} logs, is off by"
-        f" {rms['held']:.2f} (held inputs) and {rms['line']:.2f} (lines) of its standard errors",
-    ]
-    sizes = list(lines(OWN.with_name("intervals.jsonl")))
-    of_pairs = list(lines(OWN.with_name("changes.jsonl")))
-    differ, same = ([(row, answer_of_change(row).outcome) for row in of_pairs
-                     if bool(row["change"]) == some] for some in (True, False))  # fmt: skip
-    ends = [outcome for _, outcome in differ]
+    own, counts_of_walkers = counts_of_own(), list(counts_of_walkers_and_laws())
+    pairs, same = outcomes("pairs, a change"), of_class("pairs, no change")
     counts_of_pairs = (
-        f"{len(of_pairs)} simulated pairs of logs ([beside other tools]"
-        f"(../accuracy.md#blind-study)): of {len(ends)} with one difference"
-        f" {ends.count('right name')} are named, {ends.count('right set')} more are in a set of"
-        f" at most three, and {ends.count('wrong name') or 'none'} is named wrongly. Of"
+        f"{pairs.total() + len(same)} simulated pairs of logs: of {pairs.total()} with one"
+        f" difference {pairs['right name']} are named, {pairs['right set']} more are in a set of"
+        f" at most three, and {pairs['wrong name'] or 'none'} is named wrongly. Of"
         f" {len(same)} without one,"
-        f" {sum(outcome != 'rightly silent' for _, outcome in same) or 'none'} is said to differ;"
-        f" in {sum(row['verdict'] == 'unexplained' for row, _ in same)}, with other inputs"
+        f" {sum(answer(row).outcome != 'rightly silent' for row in same) or 'none'} is said to"
+        f" differ; in {sum(row['said'] == 'unexplained' for row in same)}, with other inputs"
     )
     return {
         "docs/howto/what-changed.md": [counts_of_pairs],
@@ -276,19 +262,17 @@ def measured_words():
             f"{fast[1e-8]:.0f} simulated seconds per CPU second at the default `rtol` of 1e-8,"
             f" {fast[1e-6]:.0f} at 1e-6",
             *beside_other_tools(),
-            *counts,
+            *own,
             counts_of_walkers[1],
-            f"That is as of commit `{judged}`.",
+            f"That is as of commit `{most_of(of_class('walkers'))}`.",
             "from 250 drops of a real square the diagnosis found that the angle readings are too"
             f" large by {found:.1f} ± {error:.1f} mrad (known: {known:.1f})",
             f"{stated} optional effects",
         ],
         "docs/accuracy.md": [
-            *counts,
+            *own,
             *counts_of_walkers,
-            *counts_of_laws,
-            *counts_of_logs,
-            f"{len(sizes)} sets as of commit `{most_of(sizes)}`:",
+            *counts_of_logs(),
             "none is claimed wrongly, with the cause listed or not; "
             f"{len(true)} of {len(sure)} end right or as a set",
         ],

@@ -7,20 +7,8 @@ falls as 1/(1 + (v/vs)^2), drag goes with |cos theta|, patches are triangles.
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
-
-from reference.laws import ARGUMENTS, laws_of, total
-
-Array = NDArray[np.float64]
 
 Value = float | str
 
@@ -33,8 +21,7 @@ class Entry:
     a parameter has at an amount of 0, if that is not 0. fixed: Parameters that no amount
     changes. An entry without them has the library's form. drawn: Parameters that are drawn,
     uniform in the logarithm. least, most: Range of the amount; one below 0 may have either
-    sign. accepted: Names that are as right as its own, since no velocity tells them apart.
-    rivals: Causes and constants of another kind that look alike. A law has to be as strong as
+    sign. rivals: Causes and constants of another kind that look alike. A law has to be as strong as
     its kind asks for beside each of them: what one of them explains is no truth outside the
     library.
     """
@@ -45,13 +32,11 @@ class Entry:
     offset: Mapping[str, float] = field(default_factory=dict)
     fixed: Mapping[str, Value] = field(default_factory=dict)
     drawn: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    accepted: tuple[str, ...] = ()
     rivals: tuple[str, ...] = ()
 
 
 # Voltage of a coil at 3 mT, the largest peak of the study: 10 ohm, 0.9626 mT/A.
 TOP_VOLTAGE = 31.2
-_SCALES = ("length_scale", "clock_scale")
 
 CAUSES = {
     "coil_heating": Entry(({"coefficient": 2e-3},), 20.0, fixed={"form": "pulses"}),
@@ -80,8 +65,8 @@ CAUSES = {
     "friction_patches": Entry(
         ({"amplitude": 0.2},), 4.5, fixed={"form": "triangle"}, drawn={"period": (2e-4, 1e-3)}
     ),
-    "length_scale": Entry(({"fraction": 0.03},), 13.0, -10.0, accepted=_SCALES),
-    "clock_scale": Entry(({"fraction": 0.03},), 13.0, -10.0, accepted=_SCALES),
+    "length_scale": Entry(({"fraction": 0.03},), 13.0, -10.0),
+    "clock_scale": Entry(({"fraction": 0.03},), 13.0, -10.0),
     "angle_offset": Entry(({"angle": 0.02},), 15.0, -15.0),
 }
 
@@ -106,7 +91,7 @@ def _law(
     fixed |= {"exponent": exponent}
     drawn = {} if scale is None else {"scale": (0.7 * scale, 1.4 * scale)}
     least, most = span
-    return Entry(({"amplitude": amplitude},), most, least, {}, fixed, drawn, (), rivals)
+    return Entry(({"amplitude": amplitude},), most, least, {}, fixed, drawn, rivals)
 
 
 LAWS = {
@@ -196,32 +181,3 @@ def parameters(name: str, base: Mapping[str, Value], amount: float) -> dict[str,
         else value
         for key, value in base.items()
     }
-
-
-_BELL, _LEVELLING = ("gaussian", "saturation"), ("exponential", "logarithm")
-FORMS = {
-    "power": _LEVELLING,
-    "rise": _LEVELLING,
-    "saturation": _BELL,
-    "gaussian": _BELL,
-    "rational": _BELL,
-    # No form peaks.
-    "hump": ("curve",),
-    # Of the size of a sine, which begins with a corner: no square of one does.
-    "sine": _LEVELLING,
-}
-"""Forms that a diagnosis may say and that are a law's, or bend as it does.
-
-The free constant of a law makes up for a level, so that what rises to 0 is what falls from it.
-"""
-
-
-def law_change(law: Mapping[str, Any], values: Array) -> Array:
-    """How a hidden law changes what it is of, relative, at values of its argument of any sign."""
-    words = tuple(str(law[key]) for key in ("target", "argument", "form"))
-    # Angles have no scale.
-    numbers = (law["amplitude"], law.get("scale", 1.0), law["exponent"])
-    terms = getattr(laws_of([(*words, *numbers)]), words[0])
-    at = np.zeros((len(values), len(ARGUMENTS)))
-    at[:, ARGUMENTS.index(words[1])] = np.abs(values)
-    return np.array([total(terms, row) for row in at])

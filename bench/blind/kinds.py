@@ -1,4 +1,4 @@
-"""The plan of the study: which kinds of data set there are, and how many of each."""
+"""Which kinds of data set of a walker there are, and how many of each."""
 
 from __future__ import annotations
 
@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 from blind.catalogue import CAUSES, HIDING, LAWS
 
-STUDY = 25000
-"""First seed of the sets that nothing is chosen by; see seeds.toml."""
 ALIKE = 0.9
 """Cosine above which an effect looks like another one."""
 ERROR_SHARE = (0.15, 0.35)
@@ -39,8 +37,7 @@ class Noise:
 class Kind:
     """A kind of data set.
 
-    count: How many there are to choose by. study: How many there are to judge by, once: seeds
-    from 25000 on. family: Whose demands it is judged by; see scoring.py.
+    count: How many there are. family: What is hidden, in a word.
     hidden: What is hidden in one data set after the other, names of the catalogue or constants.
     wanted: Signal to noise of each hidden thing after recalibration, low and high end; of a law
     also beside each of its rivals. tables: What was measured. noise. error: The last hidden
@@ -51,7 +48,6 @@ class Kind:
     """
 
     count: int
-    study: int
     family: str
     hidden: tuple[tuple[str, ...], ...] = ((),)
     wanted: tuple[float, float] | None = None
@@ -91,83 +87,64 @@ _SUSPECTS = ("contact.kinetic_friction", "contact.adhesion", "drag.rotational")
 _ALONG = Noise(correlated=(0.3, 0.9))
 
 KINDS = {
-    "none": Kind(128, 18, "none"),
-    "none, t4": Kind(30, 4, "none, hard", noise=Noise(t4=True)),
-    "none, set-ups": Kind(30, 4, "none, hard", noise=Noise(setups=True)),
-    "none, outlier": Kind(30, 4, "none, hard", noise=Noise(outlier=True)),
-    "none, hard": Kind(30, 4, "none, hard", noise=Noise(t4=True, setups=True, outlier=True)),
-    "none, correlated": Kind(40, 10, "none, correlated", noise=_ALONG),
-    "none, film": Kind(10, 4, "none", tables=FILMED),
-    "none, film correlated": Kind(
-        20, 6, "none, correlated", tables=FILMED, noise=_ALONG
-    ),
-    "none, angles": Kind(12, 3, "none", tables=ANGLE),
-    "none, fields": Kind(12, 3, "none", tables=FIELD),
-    "none, all tables": Kind(6, 2, "none", tables=TABLES),
-    "constant 3 sd": Kind(39, 15, "constant 3 sd", _each(_SUSPECTS)),
-    "constant 5 sd": Kind(39, 13, "constant 5 sd", _each(_SUSPECTS)),
-    "constant 5 sd, angles": Kind(
-        4, 1, "constant 5 sd", _each(("robot.magnetization",)), None, ANGLE
-    ),
-    "constant 5 sd, fields": Kind(4, 1, "constant 5 sd", _each(("coil.side",)), None, FIELD),
-    "single": Kind(154, 30, "single", _each(_MOVING), (6.0, 20.0)),
-    "single, correlated": Kind(
-        22, 15, "single, correlated", _each(_MOVING), (6.0, 20.0), noise=_ALONG
-    ),
-    "single, film": Kind(24, 5, "single", _each(_FILMED), (6.0, 30.0), FILMED),
-    "single, angles": Kind(16, 3, "single", _each(_RESTING), (6.0, 20.0), ANGLE),
-    "single, fields": Kind(8, 2, "single", _each(_PROBED), (6.0, 20.0), FIELD),
+    "none": Kind(18, "none"),
+    "none, t4": Kind(4, "none, hard", noise=Noise(t4=True)),
+    "none, set-ups": Kind(4, "none, hard", noise=Noise(setups=True)),
+    "none, outlier": Kind(4, "none, hard", noise=Noise(outlier=True)),
+    "none, hard": Kind(4, "none, hard", noise=Noise(t4=True, setups=True, outlier=True)),
+    "none, correlated": Kind(10, "none, correlated", noise=_ALONG),
+    "none, film": Kind(4, "none", tables=FILMED),
+    "none, film correlated": Kind(6, "none, correlated", tables=FILMED, noise=_ALONG),
+    "none, angles": Kind(3, "none", tables=ANGLE),
+    "none, fields": Kind(3, "none", tables=FIELD),
+    "none, all tables": Kind(2, "none", tables=TABLES),
+    "constant 3 sd": Kind(15, "constant 3 sd", _each(_SUSPECTS)),
+    "constant 5 sd": Kind(13, "constant 5 sd", _each(_SUSPECTS)),
+    "constant 5 sd, angles": Kind(1, "constant 5 sd", _each(("robot.magnetization",)), None, ANGLE),
+    "constant 5 sd, fields": Kind(1, "constant 5 sd", _each(("coil.side",)), None, FIELD),
+    "single": Kind(30, "single", _each(_MOVING), (6.0, 20.0)),
+    "single, correlated": Kind(15, "single, correlated", _each(_MOVING), (6.0, 20.0), noise=_ALONG),
+    "single, film": Kind(5, "single", _each(_FILMED), (6.0, 30.0), FILMED),
+    "single, angles": Kind(3, "single", _each(_RESTING), (6.0, 20.0), ANGLE),
+    "single, fields": Kind(2, "single", _each(_PROBED), (6.0, 20.0), FIELD),
     "single, all tables": Kind(
-        8, 2, "single", _each((*_RESTING, "surface_tilt")), (6.0, 30.0), TABLES
-    ),
-    "weak": Kind(44, 15, "weak", _each(_MOVING), (3.8, 4.2)),
+        2, "single", _each((*_RESTING, "surface_tilt")), (6.0, 30.0), TABLES),
+    "weak": Kind(15, "weak", _each(_MOVING), (3.8, 4.2)),
     "near twins": Kind(
-        30, 15, "near twins", _each(("surface_tilt", "friction_anisotropy")), (6.0, 15.0)
-    ),
-    "exact twins": Kind(30, 15, "exact twins", _each(_TWINS), (6.0, 15.0)),
-    "pair": Kind(66, 15, "pair", _PAIRS, (8.0, 16.0)),
-    "hiding": Kind(32, 15, "hiding", HIDING, (6.0, 10.0)),
-    "unknown": Kind(30, 15, "unknown", (("ripple",),), (15.0, 25.0)),
-    "law": Kind(48, 15, "law", _each(tuple(LAWS)), (8.0, 20.0)),
-    "law, 24 velocities": Kind(12, 60, "law", _each(tuple(LAWS)), (8.0, 30.0), alike=(0.0, ALIKE)),
-    "none, 24 velocities": Kind(12, 100, "none"),
+        15, "near twins", _each(("surface_tilt", "friction_anisotropy")), (6.0, 15.0)),
+    "exact twins": Kind(15, "exact twins", _each(_TWINS), (6.0, 15.0)),
+    "pair": Kind(15, "pair", _PAIRS, (8.0, 16.0)),
+    "hiding": Kind(15, "hiding", HIDING, (6.0, 10.0)),
+    "unknown": Kind(15, "unknown", (("ripple",),), (15.0, 25.0)),
+    "law": Kind(15, "law", _each(tuple(LAWS)), (8.0, 20.0)),
+    "law, 24 velocities": Kind(60, "law", _each(tuple(LAWS)), (8.0, 30.0), alike=(0.0, ALIKE)),
+    "none, 24 velocities": Kind(100, "none"),
     "instrument": Kind(
-        12, 4, "instrument", _each(("velocity_offset", "velocity_clipping", *_TWINS)), (8.0, 20.0)
-    ),
+        4, "instrument", _each(("velocity_offset", "velocity_clipping", *_TWINS)), (8.0, 20.0)),
     "instrument, angles": Kind(
-        12, 4, "instrument", _each(("angle_offset", "angle_scale", "angle_clipping")), (8.0, 20.0),
-        ANGLE,
-    ),
+        4, "instrument", _each(("angle_offset", "angle_scale", "angle_clipping")), (8.0, 20.0),
+        ANGLE),
     "instrument, fields": Kind(
-        8, 3, "instrument", _each(("probe_turned", "probe_clipping")), (8.0, 20.0), FIELD
-    ),
+        3, "instrument", _each(("probe_turned", "probe_clipping")), (8.0, 20.0), FIELD),
     "instrument, film": Kind(
-        12, 4, "instrument", _each(("film_delay", "film_clipping", "marker_place")), (8.0, 30.0),
-        FILMED,
-    ),
+        4, "instrument", _each(("film_delay", "film_clipping", "marker_place")), (8.0, 30.0),
+        FILMED),
     "none, correlated strong": Kind(
-        30, 15, "none, correlated strong", noise=Noise(correlated=(0.4, 0.95))
-    ),
+        15, "none, correlated strong", noise=Noise(correlated=(0.4, 0.95))),
     "model error, smooth": Kind(
-        24, 6, "model error", _disturbed("smooth_error", 0), (8.0, 30.0), error=True
-    ),
+        6, "model error", _disturbed("smooth_error", 0), (8.0, 30.0), error=True),
     "model error, correlated": Kind(
-        24, 6, "model error", _disturbed("correlated_error", 7), (8.0, 30.0), error=True
-    ),
-    "model error, physical": Kind(24, 6, "model error", _DISTURBED, (8.0, 30.0), error=True),
-    "unlisted, unlike": Kind(
-        24, 15, "unlisted", _OUTSIDE, (15.0, 40.0), alike=(0.0, ALIKE)
-    ),
-    "unlisted, alike": Kind(24, 15, "unlisted", _OUTSIDE, (15.0, 40.0), alike=(ALIKE, 1.0)),
-    "shuffled": Kind(10, 10, "shuffled", _each(_MOVING), (6.0, 20.0)),
+        6, "model error", _disturbed("correlated_error", 7), (8.0, 30.0), error=True),
+    "model error, physical": Kind(6, "model error", _DISTURBED, (8.0, 30.0), error=True),
+    "unlisted, unlike": Kind(15, "unlisted", _OUTSIDE, (15.0, 40.0), alike=(0.0, ALIKE)),
+    "unlisted, alike": Kind(15, "unlisted", _OUTSIDE, (15.0, 40.0), alike=(ALIKE, 1.0)),
+    "shuffled": Kind(10, "shuffled", _each(_MOVING), (6.0, 20.0)),
 }  # fmt: skip
 
 
-def plan(
-    first: int, seeds: int, kinds: list[str], study: bool = False
-) -> Iterator[tuple[str, int]]:
+def plan(first: int, seeds: int, kinds: list[str]) -> Iterator[tuple[str, int]]:
     """Kinds and seeds, at most `seeds` of a kind, mixed: a study cut short has all kinds."""
-    counts = {name: min(KINDS[name].study if study else KINDS[name].count, seeds) for name in kinds}
+    counts = {name: min(KINDS[name].count, seeds) for name in kinds}
     entries = [
         ((number + 0.5) / count, order, name, first + number)
         for order, (name, count) in enumerate(counts.items())

@@ -1,8 +1,13 @@
-"""A data set as a folder with what a laboratory would have, as a measurement file says it."""
+"""A data set as a folder with what a laboratory would have, as a measurement file says it.
+
+`python -m bench blind KIND SEED INTO` writes one as files, and its answer apart.
+"""
 
 from __future__ import annotations
 
+import json
 import shutil
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -114,3 +119,9 @@ def _film_entry(drive: Drive) -> str:
         f"frame_rate = {FRAME_RATE}\nexposure = {EXPOSURE}\nnoise_x = {FILM_SD['x']}\n"
         f"noise_theta = {FILM_SD['theta']}\ndrive = {{ {', '.join(cells)} }}\n"
     )
+
+
+if __name__ == "__main__":
+    kind, seed, into = sys.argv[1:]
+    answer = write_case(Path(into, "data"), kind, int(seed))
+    Path(into, "answer.json").write_text(json.dumps(answer, indent=2) + "\n")

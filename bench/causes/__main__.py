@@ -1,64 +1,38 @@
 """A benchmark for any tool that says what is wrong with a model; see README.md beside.
 
-`make` writes the sets anew, `run` answers them by one of the tools here, `score` counts the answers
-of a file beside the truth.
+`make` writes the sets anew; the name of a tool has it answer them. `python -m bench score --rows
+FILE` counts the answers of a file beside the truth.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Iterable
-from pathlib import Path
-
-from stale import stale
 
 from causes import walkers
 from causes.make import TRUTH, make
-from causes.score import counts
 from causes.tools import TOOLS, Answer, run
 
 ANSWERS = TRUTH.parent / "answers"
-KEPT = sorted(ANSWERS.glob("*.json"))
-
-
-def shown(paths: Iterable[Path]) -> list[str]:
-    """The counts of files of answers, and what of them is stale."""
-    tools = {path.stem.replace("-", " "): json.loads(path.read_text()) for path in paths}
-    # Those of other tools do not change with the diagnosis.
-    old = stale(tools.get("stickslip", {}).values())
-    return [*old, counts(tools, json.loads(TRUTH.read_text()))]
 
 
 def main() -> None:
-    """Do one step."""
-    parser = argparse.ArgumentParser(
-        prog="python -m bench causes",
-        description=__doc__,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    steps = parser.add_subparsers(dest="step", required=True)
-    steps.add_parser("make", help="write the sets")
-    told = steps.add_parser("run", help="answer the sets")
-    told.add_argument("tool", choices=TOOLS)
-    told.add_argument("--minutes", type=float, default=15.0, help="begin none after this time")
-    counted = steps.add_parser("score", help="count answers")
-    counted.add_argument("answers", type=Path, nargs="*", help="JSON; by default those kept here")
+    """Make the sets, or answer them."""
+    parser = argparse.ArgumentParser(prog="python -m bench causes", description=__doc__)
+    parser.add_argument("what", choices=("make", *TOOLS))
+    parser.add_argument("--minutes", type=float, default=15.0, help="begin none after this time")
     options = parser.parse_args()
-    if options.step == "make":
+    if options.what == "make":
         make()
         walkers.make()
-    elif options.step == "run":
-        path = ANSWERS / f"{options.tool.replace(' ', '-')}.json"
-        path.parent.mkdir(exist_ok=True)
-        have = json.loads(path.read_text()) if path.exists() else {}
+        return
+    path = ANSWERS / f"{options.what.replace(' ', '-')}.json"
+    have = json.loads(path.read_text()) if path.exists() else {}
 
-        def write(answers: Answer) -> None:
-            path.write_text(json.dumps(answers, indent=1) + "\n")
+    def write(answers: Answer) -> None:
+        path.write_text(json.dumps(answers, indent=1) + "\n")
 
-        run(options.tool, options.minutes, write, have)
-    else:
-        print(*shown(options.answers or KEPT), sep="\n\n")
+    run(options.what, options.minutes, write, have)
 
 
 if __name__ == "__main__":

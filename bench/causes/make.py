@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import math
 import zlib
+from collections import defaultdict
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-Terms = dict[str, float]
+Terms = dict[str, Any]
+Acts = Callable[[int, Any, Any], Any]
 
 FOLDER = Path(__file__).resolve().parent / "sets"
 TRUTH = FOLDER.parent / "truth.json"
@@ -72,91 +76,144 @@ SETS = [kind for kind in KINDS if kind != "servo"]  # those of the benchmark; se
 
 
 def simulated(kind: str, c: Terms, t: Array, u: Array) -> Array:
-    """Readings of a machine by the semi-implicit rule of Euler in steps of a hundredth.
-
-    Dry friction takes off as much of the momentum of a step as there is, at most its own.
-    """
+    """Readings of a machine in steps of a hundredth of theirs."""
     late = c.get("late torque", 0.0) + c.get("late command", 0.0) + c.get("late power", 0.0)
     step = t[1] - t[0]
     fine = np.arange((len(t) - 1) * FINE) * (step / FINE)
     at = np.clip(np.floor((fine - late) / step + 1e-9).astype(int), 0, len(t) - 1)
     held = u[at]
-    if kind == "thermal":
-        return _heated(c, t, held, step / FINE)
-    if kind == "servo":
-        return _turned(c, t, held, step / FINE)
-    if kind == "axis":
-        beyond = np.maximum(np.abs(held) - c.get("dead_zone", 0.0), 0.0)
-        held = np.sign(held) * np.minimum(beyond, c.get("saturation", np.inf))
-        held = held * (1.0 + np.sign(held) * c.get("gain_asymmetry", 0.0))
-    whole = {"joint": "inertia", "axis": "mass", "oscillator": "mass"}.get(kind)
-    mass = c[whole] if whole else 1.0
-    swings = 9.81 / c["length"] if kind == "pendulum" else c.get("gravity", 0.0) / mass
-    x, v, h = c.get("start", 0.0), 0.0, step / FINE
-    found = np.empty((len(t), 2))
-    found[0] = x, v
-    stiff, square = c.get("stiffness", 0.0) / mass, c.get("quadratic_stiffness", 0.0) / mass
-    cubic, third = c.get("cubic_stiffness", 0.0) / mass, c.get("cubic_damping", 0.0) / mass
-    damp, drag = c.get("viscous", 0.0) / mass, c.get("quadratic", 0.0) / mass
-    dry, unequal = c.get("coulomb", 0.0) / mass, c.get("asymmetry", 0.0) / mass
-    load = c.get("load", 0.0) / mass
-    for k, drive in enumerate((held / mass).tolist(), 1):
-        a = drive - load - stiff * x - square * x * x - cubic * x**3 - swings * np.sin(x)
-        v += h * (a - damp * v - drag * v * abs(v) - third * v**3)
-        most = h * max(dry + unequal * np.sign(v), 0.0)
-        v = np.sign(v) * max(abs(v) - most, 0.0)
-        x += h * v
-        if k % FINE == 0:
-            found[k // FINE] = x, v
-    readings = found[:, 1 if kind == "joint" else 0]
-    return np.asarray(readings + c.get("zero", 0.0))
+    found = states(kind, c, bent(c, held) if kind == "axis" else held, step / FINE)
+    return np.asarray(found[::FINE, 1 if kind == "joint" else 0] + c.get("zero", 0.0))
 
 
-def _heated(c: Terms, t: Array, held: Array, h: float) -> Array:
-    body = heater = c["start"]
-    own, flow = c.get("heater_capacity", 0.0), 2.0
-    found = [body]
-    for k, power in enumerate(held.tolist(), 1):
-        power *= 1.0 + c.get("power_error", 0.0)
-        over = body - c["ambient"]
-        lost = (c["loss"] + c.get("loss_growth", 0.0) * abs(over)) * over
-        moved = flow * (heater - body) if own else power
-        if own:
-            heater += h * (power - moved) / own
-        body += h * (moved - lost) / c["capacity"]
-        if k % FINE == 0:
-            found.append(body)
-    return np.array(found) + c.get("zero", 0.0)
+def bent(c: Terms, u: Array) -> Array:
+    """A command as it acts: beyond a dead zone, up to a limit, and by its direction."""
+    beyond = np.maximum(np.abs(u) - c.get("dead_zone", 0.0), 0.0)
+    command = np.sign(u) * np.minimum(beyond, c.get("saturation", np.inf))
+    return np.asarray(command * (1.0 + np.sign(u) * c.get("gain_asymmetry", 0.0)))
 
 
-def _turned(c: Terms, t: Array, held: Array, h: float) -> Array:
-    """Places of the arm of a servo; motor and arm meet without rebound across the play."""
-    heavier, gap = 1.0 + c.get("mass_error", 0.0), 0.5 * c.get("backlash", 0.0)
-    whole = c["inertia"] * heavier + c.get("armature", 0.0)
-    rotor = max(c.get("armature", 0.0), 0.1 * whole)
-    y, v, w = c["start"], 0.0, 0.0
-    x = y + np.sign(held[0] - y) * gap
-    found = [y]
-    for k, goal in enumerate(held.tolist(), 1):
-        duty = min(max(c["gain"] * (goal - y), -c["duty_limit"]), c["duty_limit"])
-        current = (c["supply"] * duty - c["torque_constant"] * v) / c["resistance"]
-        torque, weight = c["torque_constant"] * current, c["gravity"] * heavier * np.sin(y)
-        dry = c["coulomb"] + c.get("load_friction", 0.0) * abs(torque + weight)
-        v += h * (torque - c["viscous"] * v) / rotor
-        w -= h * weight / (whole - rotor)
-        apart = x - y + h * (v - w)
-        touches = abs(apart) >= gap and apart * (v - w) >= 0.0
-        moved = whole if touches else rotor
-        v = (rotor * v + (whole - rotor) * w) / whole if touches else v
-        v = np.sign(v) * max(abs(v) - h * dry / moved, 0.0)
-        x += h * v
-        if touches:
-            w, y = v, x - np.sign(apart) * gap
+def states(kind: str, c: Terms, held: Array, h: float, acts: Acts | None = None) -> Array:
+    """Places and speeds, or temperatures, by the semi-implicit rule of Euler: (1 + steps, 2).
+
+    Constants may be arrays, (copies,), with a `held` input of shape (steps, copies): states have
+    a third axis then. ``acts(step, place, speed)`` is one more force, or heat.
+    """
+    if held.ndim == 1:
+        c = {name: float(value) for name, value in c.items()}
+    inputs = held if held.ndim > 1 else held.tolist()
+    return np.array([*(_heated if kind == "thermal" else _moved)(kind, c, inputs, h, acts)])
+
+
+def _above(x: Any) -> Any:
+    return 0.5 * (x + abs(x))  # the part above 0, of a number or of an array
+
+
+def _any(c: Terms, *names: str) -> bool:
+    return any(np.any(c[name] != 0.0) for name in names)
+
+
+def _forces(kind: str, c: Terms, m: Any) -> Callable[..., Any]:
+    """What drives a motor, what its load resists, and dry friction, of a drive and both states."""
+    servo, swings, closed = kind == "servo", kind == "pendulum", "gain" in c
+    hangs, springs = _any(c, "length", "gravity"), _any(c, "stiffness")
+    curved = _any(c, "quadratic_stiffness", "cubic_stiffness")
+    dragged = _any(c, "viscous_asymmetry", "quadratic", "cubic_damping")
+    weight = 9.81 / c["length"] if swings else c["gravity"] * (1.0 + c["mass_error"])
+
+    def forces(drive: Any, x: Any, v: Any, y: Any, w: Any) -> tuple[Any, Any, Any]:
+        if servo:
+            duty = c["gain"] * (drive - y) - c["damping_gain"] * w if closed else drive
+            duty = duty - m.copysign(_above(abs(duty) - c.get("duty_limit", 1e300)), duty)
+            current = (c["supply"] * duty - c["torque_constant"] * v) / c["resistance"]
+            drive = c["torque_constant"] * current
+        elif swings:
+            drive = drive * m.cos(x)
+        resists = c["load"] + (c["stiffness"] * y if springs else 0.0)
+        if hangs:
+            resists = resists + weight * m.sin(y)
+        if curved:
+            resists = resists + (c["quadratic_stiffness"] + c["cubic_stiffness"] * y) * y * y
+        friction = c["coulomb"] + (c["load_friction"] * abs(drive + resists) if servo else 0.0)
+        drive = drive - c["viscous"] * v
+        if dragged:
+            drive = drive - (c["viscous_asymmetry"] + c["quadratic"] * v) * abs(v)
+            drive = drive - c["cubic_damping"] * v**3
+        return drive, resists, friction
+
+    return forces
+
+
+def _moved(kind: str, c: Terms, inputs: Any, h: float, acts: Acts | None) -> Iterator[Any]:
+    """The motor's place and speed, or those of a servo's load.
+
+    Dry friction takes off as much of the momentum of a step as there is, at most its own. Motor and
+    load meet without rebound across the play.
+    """
+    m: Any = np if np.ndim(inputs[0]) else math
+    servo, forces = kind == "servo", _forces(kind, c := defaultdict(float, c), m)
+    gap, share, whole = 0.5 * c["backlash"], 0.5, c.get("inertia", c.get("mass", 1.0))
+    whole = whole * (1.0 + c["mass_error"]) + c["armature"]
+    if servo:
+        share = 1.0 - np.maximum(c["armature"] / whole, 0.1)
+    rotor, arm, rigid = (1.0 - share) * whole, share * whole, c["compliance"] == 0.0
+    spring = (1.0 - rigid) / (c["compliance"] + rigid)
+    damper = 0.1 * (spring * share * rotor) ** 0.5
+    falls, two = _any(c, "stribeck"), _any(c, "backlash", "compliance")
+    dry = falls or _any(c, "coulomb", "asymmetry", "load_friction")
+
+    def slowed(v: Any, friction: Any, carried: Any) -> Any:
+        if not dry:
+            return v
+        friction = _above(friction + c["asymmetry"] * m.copysign(1.0, v))
+        if falls:
+            friction = friction + c["stribeck"] * m.exp(-((v / c["stribeck_speed"]) ** 2))
+        return m.copysign(_above(abs(v) - h * friction / carried), v)
+
+    x = y = c["start"] + 0.0 * inputs[0]
+    v = w = c["start_speed"] + 0.0 * inputs[0]
+    ahead = m.copysign(gap, inputs[0] - (y if "gain" in c else 0.0))
+    x, y = (x + ahead, y) if servo else (x, y - ahead)
+    yield (y, w) if servo else (x, v)
+    for k, drive in enumerate(inputs):
+        drive, resists, friction = forces(drive, x, v, y, w)
+        drive = drive + (acts(k, y, w) if acts else 0.0)
+        if two:
+            between = spring * (x - y) + damper * (v - w)
+            v, w = v + h * (drive - between) / rotor, w - h * (resists - between) / arm
+            alone, both = slowed(v, friction, rotor), slowed(v + share * (w - v), friction, whole)
+            apart = x - y + h * (alone - w)
+            touches = 1.0 * rigid * (abs(apart) >= gap) * (apart * (alone - w) >= 0.0)
+            v, w = alone + touches * (both - alone), w + touches * (both - w)
+            x, y = x + h * v, y + h * w
+            y = y + touches * (x - m.copysign(gap, apart) - y)
         else:
-            y += h * w
-        if k % FINE == 0:
-            found.append(y)
-    return np.array(found) + c.get("zero", 0.0)
+            v = w = slowed(v + h * (drive - resists) / whole, friction, whole)
+            x = y = x + h * v
+        yield (y, w) if servo else (x, v)
+
+
+def _heated(kind: str, c: Terms, inputs: Any, h: float, acts: Acts | None) -> Iterator[Any]:
+    """The temperature of the body, twice."""
+    body = heater = wall = c["start"] + 0.0 * inputs[0]
+    own, other = c.get("heater_capacity", 0.0), c.get("wall_capacity", 0.0)
+    flow, to_wall = c.get("coupling", 2.0) * (own != 0.0), c.get("wall_coupling", 2.0)
+    walled, two = np.any(other != 0.0), np.any(own != 0.0)
+    yield body, body
+    for k, power in enumerate(inputs):
+        power = power * (1.0 + c.get("power_error", 0.0)) + (acts(k, body, 0.0) if acts else 0.0)
+        over = body - c["ambient"]
+        gained = power - (c["loss"] + c.get("loss_growth", 0.0) * abs(over)) * over
+        if two:
+            moved = power + (own != 0.0) * (flow * (heater - body) - power)
+            heater = heater + h * (power - moved) / (own + (own == 0.0))
+            gained = gained + moved - power
+        if walled:
+            moved = (other != 0.0) * to_wall * (body - wall)
+            wall = wall + h * moved / (other + (other == 0.0))
+            gained = gained - moved
+        body = body + h * gained / c["capacity"]
+        yield body, body
 
 
 def _input(kind: str, t: Array, random: np.random.Generator) -> Array:

@@ -18,7 +18,7 @@ from stickslip.diagnosis import Problem, model
 
 from .contacts import ABOUT, SIDE, Impacts, reach, single_impacts
 from .flights import Drops, find_flights, fit_flights
-from .score import Truth, with_absent
+from .sets import Truth, with_absent
 
 Posed = tuple[Callable[..., np.ndarray], list[Table], list[Parameter], list[Cause]]
 """Arguments of `stickslip.diagnose_model`: the model, a table of each kind of observable, constants

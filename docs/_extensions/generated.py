@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import click
-from blind import finished, own, scoring, study
 from docutils import nodes
-from real.score import by_tool
 from report_keys import reference
+from score.__main__ import page
+from score.rows import HERE as SCORES
 from scores import CLAIMS
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
@@ -22,11 +22,6 @@ from stickslip.cli.commands import loaded, stickslip
 from stickslip.scenario.keys import Key, known_keys
 
 MEASURED = Path(__file__).parents[1] / "measured"
-STUDIES = {**{name: (study.HERE / "study" / f"{name}.jsonl", tables) for name, tables in
-              {"own": own.tables, "changes": finished.changes,
-               "intervals": finished.intervals}.items()},
-           "walkers": (study.HERE / "study" / study.RECORD, scoring.table),
-           "laws": (study.HERE / "laws" / study.RECORD, scoring.table)}  # fmt: skip
 OF_VERDICTS = {"real.json": "rows", "walkers.json": "rows", "untold.json": "kinds"}
 """Files with figures of the diagnosis, and where their rows are."""
 
@@ -188,22 +183,20 @@ class BenchResults(SphinxDirective):
         }
         rows = results[OF_VERDICTS[path.name]].values() if path.name in OF_VERDICTS else []
         parts = [*stale(rows), tables[path.name](results), _origin(results)]
-        parts += [_beside(results)] if path.name == "real.json" else []
         parsed = self.parse_text_to_nodes("\n\n".join(parts))
         return [nodes.container("", *parsed, classes=["measured"])]
 
 
-class Study(SphinxDirective):
-    """The counts of a blind study, from its rows."""
+class Score(SphinxDirective):
+    """The scored table of the diagnosis, of a file of rows."""
 
     required_arguments = 1
 
     def run(self) -> list[nodes.Node]:
-        path, tables = STUDIES[self.arguments[0]]
-        self.env.note_dependency(str(path))
-        self.env.note_dependency(str(VERDICTS))
-        rows = list(study.lines(path))
-        parsed = self.parse_text_to_nodes("\n\n".join([*stale(rows), tables(rows)]))
+        path = SCORES / self.arguments[0]
+        for each in (path, VERDICTS):
+            self.env.note_dependency(str(each))
+        parsed = self.parse_text_to_nodes(page(path))
         return [nodes.container("", *parsed, classes=["measured"])]
 
 
@@ -317,22 +310,6 @@ def _real(results: dict[str, Any]) -> str:
     return _markdown_table(header, rows)
 
 
-def _beside(results: dict[str, Any]) -> str:
-    """What other tools say of the sets for which they were asked."""
-    asked = [row for row in results["rows"].values() if "others" in row]
-    rows = [[row["set"], row["listed"], row["judgement"], *map(_few, row["others"].split("; "))]
-            for row in asked]  # fmt: skip
-    whole = _markdown_table(["set", "cause listed", "stickslip", "best BIC", "stepwise F"], rows)
-    return f"{by_tool(asked)}\n\n{whole}"
-
-
-def _few(said: str) -> str:
-    """Causes of a tool and whether they act, more than two by their number."""
-    causes, _, word = said.partition(": ")[2].rpartition(" ")
-    count = len(causes.split(" + "))
-    return _plain(f"{word.strip('()')}: {f'{count} causes' if count > 2 else causes}")
-
-
 def _walkers(results: dict[str, Any]) -> str:
     rows = [
         [
@@ -368,5 +345,5 @@ def setup(app: Sphinx) -> dict[str, Any]:
     app.add_directive("report-keys", ReportKeys)
     app.add_directive("result-table", ResultTable)
     app.add_directive("bench-results", BenchResults)
-    app.add_directive("study", Study)
+    app.add_directive("score", Score)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from real.score import Measured, Truth
+from real.sets import Measured, Truth
 
 from stickslip import (
     Cause,
@@ -95,7 +95,7 @@ def _compared(before: str, after: str, without: Collection[str] = ()) -> Diagnos
 
 
 SETS = [
-    Measured(f"cylinders, {before} to {after} mm", (1e-5, "bar"),
+    Measured(f"cylinders, {before} to {after} mm",
              Truth(("orifice[after]",), ("leak[after]",)), partial(_compared, before, after))
     for before, after in (("aluminium", "0.15"), ("resin", "0.20"), ("0.06", "0.15"),
                           ("prusa", "0.20"))

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from real import impacts
 from real.flights import read_drops
-from real.score import Measured
+from real.sets import Measured
 
 DROPS = Path(__file__).parents[4] / "tests" / "data" / "square_drops.csv.gz"
 
@@ -19,11 +19,11 @@ def sets(path: Path = DROPS) -> list[Measured]:
     read = read_drops(path)
     first = impacts.first_impacts(read)
     return [
-        Measured(f"{len(read)} drops, {what}", unit, truth,
+        Measured(f"{len(read)} drops, {what}", truth,
                  partial(impacts.diagnose_impacts, pose, first))
-        for what, unit, truth, pose in (
-            ("heights", (1e3, "mm"), impacts.HEIGHTS, impacts.heights),
-            ("velocities", (1e3, "mm/s"), impacts.VELOCITIES, impacts.velocities),
+        for what, truth, pose in (
+            ("heights", impacts.HEIGHTS, impacts.heights),
+            ("velocities", impacts.VELOCITIES, impacts.velocities),
         )
     ]  # fmt: skip
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from real.score import Measured, Truth, with_absent
+from real.sets import Measured, Truth, with_absent
 
 from stickslip import Cause, Diagnosis, Parameter, Prior, Table, diagnose_model, instruments
 
@@ -64,6 +64,6 @@ def diagnosed(without: Collection[str] = ()) -> Diagnosis:
 
 
 SETS = [
-    Measured("rollers", (1e6, "um/s"),
-             Truth(("step_out",), ("coil_lag", "offset"), certain=False), diagnosed)
+    Measured("rollers",
+             Truth(("step_out",), ("coil_lag", "offset")), diagnosed)
 ]  # fmt: skip

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from real.score import Measured, Truth, with_absent
+from real.sets import Measured, Truth, with_absent
 
 from stickslip import Cause, Diagnosis, Parameter, Prior, Table, diagnose_model, instruments
 
@@ -106,7 +106,7 @@ def diagnosed(without: Collection[str] = ()) -> Diagnosis:
 
 SETS = [
     Measured(
-        "slider", (1e3, "mN/N"),
+        "slider",
         # What is known of the length are two digits.
         Truth(("ageing", "wave"), values={"ageing.rate": (0.022, 0.002),
                                           "wave.length": (3.8e-3, 0.1e-3)}),

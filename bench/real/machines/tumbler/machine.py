@@ -6,14 +6,14 @@ claim is at best not contradicted.
 
 from pathlib import Path
 
-from real.score import Measured, Truth, of_files
+from real.sets import Measured, Truth, of_files
 
 FILES = Path(__file__).parents[4] / "examples" / "cases" / "tumbler" / "measurement.toml"
 
 SETS = [
     Measured(
-        "tumbler", (57.2958, "degrees"),
-        Truth(("misalignment",), ("angle_offset", "surface_tilt", "ambient_field"), certain=False),
+        "tumbler",
+        Truth(("misalignment",), ("angle_offset", "surface_tilt", "ambient_field")),
         of_files(FILES, "angle"),
     )
 ]  # fmt: skip

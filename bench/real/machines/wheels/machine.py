@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from real.score import Measured, Truth
+from real.sets import Measured, Truth
 
 from stickslip import Cause, Diagnosis, Parameter, Prior, Series, diagnose_change, instruments
 
@@ -83,7 +83,7 @@ def _compared(before: int, after: int, wheel: str, without: Collection[str] = ()
 
 
 SETS = [
-    Measured(f"loop, {before} to {after} ms, {wheel} wheel", (60.0, "rpm"),
+    Measured(f"loop, {before} to {after} ms, {wheel} wheel",
              Truth(("period[after]", "gain[after]")), partial(_compared, before, after, wheel))
     for before, after in ((1, 5), (1, 10)) for wheel in ("left", "right")
 ]  # fmt: skip
