@@ -20,6 +20,7 @@ PROGRAMS = {
     "paper": ("paper", "the paper's simulations redone, its statements tested, its figures"),
     "peers": ("peers", "SciPy, heyoka, MuJoCo and magpylib at equal accuracy"),
     "score": ("score", "the diagnosis beside known truths, by class: one scored table"),
+    "rules": ("rules", "which rules of the diagnosis decide anything, counted on the score"),
     "blind": ("blind.writing", "a made data set of a walker as files (blind KIND SEED INTO)"),
     "causes": ("causes", "a benchmark for any tool that names causes: make, or a tool"),
     "drawn": ("drawn_logs", "drawn logs and tables of known truth, right, noted or refused"),

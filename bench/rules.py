@@ -1,9 +1,9 @@
-"""``python -m bench rules``: which rules of the diagnosis decide anything, counted on known truths.
+"""``python -m bench rules``: which rules of the diagnosis decide anything, counted on the score.
 
-`keep` diagnoses the problems and keeps what the decision takes of each, in build/rules; `decide`
-takes the verdicts again, each rule of the decision switched off or moved; `search` diagnoses 40
-problems anew, each rule of the search and of the noise switched off. A rule stays only if at least
-three problems are worse without it. Counts are kept in rules.json with their engine.
+`decide` takes the verdicts of all problems that `bench score` has diagnosed again, from the models
+that it kept, each rule of the decision switched off or moved. `search` diagnoses 40 problems anew,
+each rule of the search and of the noise switched off. A rule stays only if at least three problems
+are worse without it. Counts are kept in rules.json with their engine.
 """
 
 from __future__ import annotations
@@ -13,47 +13,32 @@ import contextlib
 import itertools
 import json
 import math
+import multiprocessing
 import pickle
+import time
 from collections.abc import Callable, Iterator
-from functools import partial
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from problems import PROBLEMS, ROOT
-from scores import Answer, markdown, until
+from score.rows import KEPT, in_turns, row_of
+from scores import Row, answer, markdown
 from stale import digest
 
 from stickslip.diagnosis import pipeline
 from stickslip.diagnosis.decision import verdict as decision
 from stickslip.diagnosis.fitting import options
 
-KEPT, STORED = ROOT / "build" / "rules", Path(__file__).with_name("rules.json")
-TRUTHS = json.loads((ROOT / "bench" / "causes" / "truth.json").read_text())
+STORED = Path(__file__).with_name("rules.json")
 WORTH = {"right name": 3, "right set": 2, "large set": 1, "silent": 1, "rightly silent": 1}
 """Of an outcome; 0 of a wrong set or name."""
 DECISION = "verdict", "posterior", "gain", "misfit_test"  # modules
-SEARCHED = 40  # problems of `search`, evenly over all
+SEARCHED = 40  # problems of `search`: of each class the first that part 1 of 8 has, in turn
+DEAR = "walkers", "measured"  # classes of which one takes as long as twenty others
 Patch = tuple[Any, str, Any]
-Said = tuple[str, tuple[str, ...]]
-Row = dict[str, Any]
-
-
-def truth_of(name: str) -> tuple[str, ...] | None:
-    """Listed causes that a problem hides; None where that is not known."""
-    if name.startswith("toy "):
-        return tuple({"weak wave": "wave"}.get(each, each) for each in name[4:].split(" and ")
-                     if each in ("wave", "step", "bend", "weak wave"))  # fmt: skip
-    known = TRUTHS.get(name)
-    return known and ((known["cause"],) if known["cause"] and known["listed"] else ())
-
-
-ASKED = [name for name in PROBLEMS if truth_of(name) is not None]
-
-
-def worth(name: str, kind: str, causes: tuple[str, ...]) -> int:
-    """Worth of an answer beside the truth."""
-    return WORTH.get(Answer(kind, causes, truth_of(name) or ()).outcome, 0)
+Said = dict[str, tuple[str, str, list[str]]]
+"""Outcome, verdict and causes of each problem."""
 
 
 def _module(name: str) -> Any:
@@ -71,6 +56,7 @@ def numbers_of(module: str) -> Iterator[tuple[str, list[Patch]]]:
                 yield f"{module}.{key} = {moved:g}", patches
 
 
+@cache
 def of_decision() -> dict[str, list[Patch]]:
     """The rules of the decision: patches by words."""
     verdict, posterior = _module("decision.verdict"), _module("decision.posterior")
@@ -92,6 +78,7 @@ def of_decision() -> dict[str, list[Patch]]:
     return rules | dict(itertools.chain(*map(numbers_of, DECISION)))
 
 
+@cache
 def of_search() -> dict[str, list[Patch]]:
     """The rules of search and noise, each off."""
     names = "search", "models", "law_forms", "forms"
@@ -151,46 +138,34 @@ def patched(patches: list[Patch]) -> Iterator[None]:
             vars(where)[key] = value
 
 
-def keep(minutes: float) -> None:
-    """Diagnose the problems that are not kept yet, and keep models and test of each."""
-    KEPT.mkdir(parents=True, exist_ok=True)
-    taken: list[Any] = []
+def decided(path: Path) -> tuple[str, Said]:
+    """A problem that was kept, and what is said of it by the rules, "", and without each of them.
 
-    def decide(*given: Any) -> decision.Verdict:
-        taken.append(given)
-        return decision.decide(*given)
-
-    with patched([(pipeline, "decide", decide)]):
-        for name in until(minutes, ASKED):
-            path = KEPT / f"{digest()} {name}.pickle"
-            if not path.exists():
-                taken.clear()
-                PROBLEMS[name].diagnosed(1)
-                if taken:  # none of a problem of the data
-                    path.write_bytes(pickle.dumps(taken))
+    Nothing where the rules say something else now: of a problem whose answer they do not give.
+    """
+    row, models, test = pickle.loads(path.read_bytes())
+    found: Said = {}
+    for rule, patches in {"": [], **of_decision()}.items():
+        with patched(patches):
+            said = decision.decide(models, test)
+        now = {**row, "said": said.kind, "causes": [*said.causes]}
+        if not rule and (now["said"], now["causes"]) != (row["said"], row["causes"]):
+            break
+        found[rule] = answer(now).outcome, said.kind, sorted(said.causes)
+    return row["problem"], found
 
 
-def kept() -> dict[str, Any]:
-    """Models and test of each problem that is kept of the present engine."""
-    files = {name: KEPT / f"{digest()} {name}.pickle" for name in ASKED}
-    return {name: pickle.loads(path.read_bytes()) for name, path in files.items() if path.exists()}
+def diagnosed(task: tuple[str, Any]) -> tuple[str, str, list[str]]:
+    """What is said of a problem without a rule of the search."""
+    rule, problem = task
+    with patched(of_search()[rule] if rule else []):
+        row = row_of(problem, keep=False)
+    return row.get("outcome", row["class"]), row.get("said", ""), sorted(row.get("causes", ()))
 
 
-def retaken(given: dict[str, Any]) -> dict[str, Said]:
-    """Verdicts of what is kept, taken again."""
-    found = {name: decision.decide(models, test) for name, ((models, test),) in given.items()}
-    return {name: (said.kind, said.causes) for name, said in found.items()}
-
-
-def diagnosed(names: list[str]) -> dict[str, Said]:
-    """Verdicts of problems, diagnosed anew."""
-    found = {name: PROBLEMS[name].diagnosed(1).verdict for name in names}
-    return {name: (said.kind, said.causes) for name, said in found.items()}
-
-
-def counted(before: dict[str, Said], now: dict[str, Said]) -> Row:
+def counted(before: Said, now: Said) -> Row:
     """Problems that are worse, better or otherwise different without a rule."""
-    by = {name: worth(name, *now[name]) - worth(name, *before[name]) for name in now}
+    by = {name: WORTH.get(now[name][0], 0) - WORTH.get(before[name][0], 0) for name in now}
     changed = [name for name in now if now[name] != before[name]]
     return {
         "of": len(now), "worse": [name for name in changed if by[name] < 0],
@@ -199,37 +174,61 @@ def counted(before: dict[str, Said], now: dict[str, Said]) -> Row:
     }  # fmt: skip
 
 
-def table(rows: dict[str, Row]) -> str:
-    """The counts as Markdown, the rules that are needed first."""
-    order = sorted(rows.items(), key=lambda each: (-len(each[1]["worse"]), each[0]))
-    cells = [(name, *(len(row[each]) or "" for each in ("worse", "better", "other")), row["of"])
-             for name, row in order]  # fmt: skip
-    return markdown("without the rule;worse;better;other;of", cells)
+def decide(pool: Any) -> Iterator[tuple[str, Row]]:
+    """Counts of the rules of the decision, of all that is kept of this engine."""
+    found = dict(pool.imap_unordered(decided, sorted(KEPT.glob(f"{digest()}/*.pickle")), 4))
+    kept = {name: each for name, each in found.items() if each}
+    if not kept:
+        raise SystemExit(f"{KEPT}: nothing of this engine is kept: first `bench score --part 1/8`")
+    before = {name: each[""] for name, each in kept.items()}
+    for rule in of_decision():
+        yield rule, counted(before, {name: each[rule] for name, each in kept.items()})
+
+
+def search(pool: Any, rules: list[str]) -> Iterator[tuple[str, Row]]:
+    """Counts of rules of the search, one after another."""
+    cheap = [each for each in in_turns(1, 8) if not each.group.startswith(DEAR)]
+    problems, before = sorted(cheap[:SEARCHED], key=lambda each: each.name), {}
+    for rule in ["", *rules]:
+        said = pool.map(diagnosed, [(rule, each) for each in problems], 1)
+        now = {each.name: one for each, one in zip(problems, said, strict=True)}
+        before = before or now
+        if rule:
+            yield rule, counted(before, now)
+
+
+def page() -> str:
+    """The counts as Markdown, the rules that are needed first; what decides nothing by its name."""
+    parts = []
+    for step, rows in json.loads(STORED.read_text()).items() if STORED.exists() else ():
+        order = sorted(rows.items(), key=lambda each: (-len(each[1]["worse"]), each[0]))
+        kinds = "worse", "better", "other"
+        cells = [(name, *(len(row[each]) or "" for each in kinds), row["of"])
+                 for name, row in order if any(row[each] for each in kinds)]  # fmt: skip
+        idle = ", ".join(name for name, _ in order if name not in {each[0] for each in cells})
+        parts += [markdown(f"{step}, without;worse;better;other;of", cells),
+                  f"Without any of these no verdict changes: {idle or 'none'}."]  # fmt: skip
+    return "\n\n".join(parts)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m bench rules", description=__doc__)
-    parser.add_argument("step", nargs="?", choices=("keep", "decide", "search"))
-    parser.add_argument("--minutes", type=float, default=15.0, help="begin none after this time")
-    options = parser.parse_args()
+    parser.add_argument("step", nargs="?", choices=("decide", "search"))
+    parser.add_argument("--minutes", type=float, default=15.0, help="begin no rule after this time")
+    asked = parser.parse_args()
     stored: dict[str, Any] = json.loads(STORED.read_text()) if STORED.exists() else {}
-    if options.step == "keep":
-        keep(options.minutes)
-        return
-    if options.step:
-        rules = of_decision() if options.step == "decide" else of_search()
-        given, names = kept(), ASKED[:: math.ceil(len(ASKED) / SEARCHED)]
-        ask = partial(retaken, given) if options.step == "decide" else partial(diagnosed, names)
-        if options.step == "decide" and len(given) < len(ASKED):
-            raise SystemExit(f"{len(given)} of {len(ASKED)} problems are kept: first `keep`")
-        rows, before = stored.setdefault(options.step, {}), ask()
-        stale = [name for name in rules if rows.get(name, {}).get("golden") != digest()]
-        for name in until(options.minutes, stale if options.step == "search" else rules):
-            with patched(rules[name]):
-                rows[name] = counted(before, ask())
-            STORED.write_text(json.dumps(stored, indent=1) + "\n")
-    for step, rows in stored.items():
-        print(f"\n{step}\n", table(rows), sep="\n")
+    if asked.step:
+        rows = stored.setdefault(asked.step, {})
+        stale = [name for name in of_search() if rows.get(name, {}).get("golden") != digest()]
+        ends = time.monotonic() + 60.0 * asked.minutes
+        with multiprocessing.get_context("spawn").Pool(2) as pool:
+            found = decide(pool) if asked.step == "decide" else search(pool, stale)
+            for rule, row in found:
+                rows[rule] = row
+                STORED.write_text(json.dumps(stored, indent=1) + "\n")
+                if time.monotonic() > ends:
+                    break
+    print(page())
 
 
 if __name__ == "__main__":

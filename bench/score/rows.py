@@ -14,6 +14,7 @@ import contextlib
 import itertools
 import json
 import multiprocessing
+import pickle
 import re
 import subprocess
 import time
@@ -32,6 +33,8 @@ from stickslip.diagnosis.decision.candidate import Candidate
 
 HERE = Path(__file__).resolve().parent
 ROWS = HERE / "rows.jsonl"
+KEPT = HERE.parents[1] / "build" / "kept"
+"""What the decision took of each problem, a folder for each engine."""
 FAR = 3.0
 """Standard deviations. Chosen: an estimate farther from what is known than that is wrong."""
 WORD = 200  # characters of a refusal that are kept
@@ -83,7 +86,7 @@ def newest(rows: Sequence[Row], golden: str) -> list[Row]:
     return list({row["problem"]: row for row in own or rows}.values())
 
 
-def row_of(problem: Problem) -> Row:
+def row_of(problem: Problem, keep: bool = True) -> Row:
     """Diagnose a problem; its row without the engine."""
     head: Row = {"class": problem.group, "problem": problem.name}
     head |= {"seed": problem.seed} if problem.study else {}
@@ -104,7 +107,18 @@ def row_of(problem: Problem) -> Row:
     if found.fitted:
         row |= {"p": float(f"{found.findings.test.p_value:.3g}")}
         row |= _sized(row, asked, found)
-    return {**row, "outcome": answer(row).outcome, "cpu": seconds}
+    row |= {"outcome": answer(row).outcome, "cpu": seconds}
+    if keep and found.fitted:
+        _keep(row, found)
+    return row
+
+
+def _keep(row: Row, found: Diagnosis) -> None:
+    """Keep a row with what the decision took, for `bench rules`; models of functions cannot be."""
+    path = KEPT / digest() / f"{row['problem'].replace('/', ' ')}.pickle"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with contextlib.suppress(pickle.PicklingError, AttributeError, TypeError):
+        path.write_bytes(pickle.dumps((row, found.findings.models, found.findings.test)))
 
 
 def _told(truth: list[str], found: Diagnosis) -> list[str]:
