@@ -142,6 +142,15 @@ def test_robots_that_differ_follow_the_figure_of_eight(monkeypatch, tmp_path, ca
     assert int(most) < 1e6 * SCENARIO.robot.length / 4
 
 
+def test_a_row_of_robots_has_quantiles_of_all_distances_and_of_the_times_of_those_that_arrived():
+    """Of 0 to 100 um the median is 50, and 95 % are below 95; times are steps of 0.5 s."""
+    distances, none = 1e-6 * np.arange(101), np.zeros(0)
+    robots = [follower.Followed(np.zeros((steps, 28)), np.zeros((steps, 5)), 0.5, arrived, part)
+              for steps, arrived, part in ((20, True, distances[:30]), (24, True, distances[30:]),
+                                           (90, False, none), (26, True, none))]  # fmt: skip
+    assert steer.row("eye", robots) == "| eye | 3 of 4 | 50 | 95 | 100 | 12.0 (10.0 to 13.0) |"
+
+
 COUNT = 12
 # Of the tolerance: done is a mean of images within half of it, whose deviation is 0.3 of it.
 ENOUGH, SURE, STILL = 0.5 * TOLERANCE, 0.3 * TOLERANCE, 0.1e-6

@@ -171,6 +171,18 @@ def test_the_page_has_no_number_that_the_dictionary_lacks(results, rough, none):
     assert "0.765" in page(numbers, figures, words)
 
 
+def test_an_error_on_the_page_has_two_digits(rough):
+    numbers, figures = {**numbers_of(rough), "origin": []}, figures_of(rough)
+    for row in numbers["conditions"]:
+        row["sd"] = 0.0123456
+    (channel,) = numbers["channels"].values()
+    channel["median_sd"] = 0.0456789
+    text = page(numbers, figures, rough.problem.words)
+    assert text.count(">0.012&nbsp;V<") == len(numbers["conditions"])
+    assert "a usual error of 0.046&nbsp;V" in text
+    assert not re.search(r"0\.(0123|0457)", text)
+
+
 def test_numbers_are_those_of_the_result(rough, none):
     numbers = rough.as_dict()
     assert numbers["cause"] == "bump"
