@@ -55,8 +55,8 @@ def test_a_log_is_the_one_that_is_described(log):
             assert cell == same or abs(float(cell) - float(same)) < 1.1e-2
 
 
-@pytest.mark.nightly
 @pytest.mark.parametrize("case", sorted(CASES.iterdir()), ids=lambda each: each.name)
+@pytest.mark.daily("axis", "cart", "heater", "rollers", "square", "tumbler")
 def test_a_case_prints_what_is_stored(case, tmp_path):
     if case.name.startswith("mujoco"):
         pytest.importorskip("mujoco")

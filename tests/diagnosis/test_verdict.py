@@ -186,20 +186,22 @@ def test_a_pair_without_which_nothing_explains_the_data_needs_no_other_proof():
     assert (result.verdict.kind, result.verdict.causes) == ("pair", ("late", "wave"))
 
 
+def ends(table, p):
+    x = table["x"]
+    first, last = x < 1.05, x > 2.95
+    return p["slope"] * x + p["level"] + p["first.size"] * first + p["last.size"] * last
+
+
+ENDS = 1.0 * (X < 1.05) - 1.0 * (X > 2.95)
+AT_ENDS = [Cause(name, Parameter(f"{name}.size", size=0.5, low=-5.0, high=5.0))
+           for name in ("first", "last")]  # fmt: skip
+
+
 @pytest.mark.parametrize("size", [0.5, 0.55], ids=["one is sure", "both are sure"])
 @pytest.mark.daily("both are sure")
 def test_two_causes_that_nothing_held_out_proves_are_left_open(size):
     """Each moves one reading by five errors or more, so that no other part tells its size."""
-
-    def ends(table, p):
-        x = table["x"]
-        first, last = x < 1.05, x > 2.95
-        return p["slope"] * x + p["level"] + p["first.size"] * first + p["last.size"] * last
-
-    causes = [Cause(name, Parameter(f"{name}.size", size=0.5, low=-5.0, high=5.0))
-              for name in ("first", "last")]  # fmt: skip
-    table = data(size * (X < 1.05) - size * (X > 2.95))
-    result = diagnose_model(ends, table, [SLOPE, LEVEL], causes)
+    result = diagnose_model(ends, data(size * ENDS), [SLOPE, LEVEL], AT_ENDS)
     verdict = result.verdict
     sure = [name for name in ("first", "last") if verdict.probabilities[name] > 0.95]
     assert sure == (["first"] if size == 0.5 else ["first", "last"])
@@ -210,6 +212,17 @@ def test_two_causes_that_nothing_held_out_proves_are_left_open(size):
     told = result.as_dict()
     assert told["unproven"]
     assert ("alone" in told["headline"]) == (len(told["members"]) == 3)
+
+
+@pytest.mark.parametrize(
+    ("after", "low", "kind"),
+    [(0.89, 0.01, "pair"), (0.91, 0.01, "ambiguous"), (0.89, -0.01, "ambiguous")],
+)
+def test_a_further_cause_lowers_the_held_out_error_by_a_tenth(monkeypatch, after, low, kind):
+    gain = Gain(1.0, after, (low, 0.2))
+    monkeypatch.setattr("stickslip.diagnosis.decision.verdict.measured", lambda *_: gain)
+    result = diagnose_model(ends, data(0.55 * ENDS), [SLOPE, LEVEL], AT_ENDS)
+    assert (result.verdict.kind, set(result.verdict.causes)) == (kind, {"first", "last"})
 
 
 def test_sizes_are_known_as_well_as_the_likelier_form_of_the_errors_tells():
