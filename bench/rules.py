@@ -23,7 +23,7 @@ from typing import Any
 
 from score.rows import KEPT, in_turns, row_of
 from scores import Row, answer, markdown
-from stale import digest
+from stale import digest, stale
 
 from stickslip.diagnosis import pipeline
 from stickslip.diagnosis.decision import verdict as decision
@@ -205,6 +205,7 @@ def page() -> str:
     """The counts as Markdown, rules that are needed first; others by their names."""
     parts = []
     for step, rows in json.loads(STORED.read_text()).items() if STORED.exists() else ():
+        parts += stale(rows.values())
         order = sorted(rows.items(), key=lambda each: (-len(each[1]["worse"]), each[0]))
         kinds = "worse", "better", "other"
         cells = [(name, *(len(row[each]) or "" for each in kinds), row["of"])
@@ -223,10 +224,10 @@ def main() -> None:
     stored: dict[str, Any] = json.loads(STORED.read_text()) if STORED.exists() else {}
     if asked.step:
         rows = stored.setdefault(asked.step, {})
-        stale = [name for name in of_search() if rows.get(name, {}).get("golden") != digest()]
+        left = [name for name in of_search() if rows.get(name, {}).get("golden") != digest()]
         ends = time.monotonic() + 60.0 * asked.minutes
         with multiprocessing.get_context("spawn").Pool(2) as pool:
-            found = decide(pool) if asked.step == "decide" else search(pool, stale)
+            found = decide(pool) if asked.step == "decide" else search(pool, left)
             for rule, row in found:
                 rows[rule] = row
                 STORED.write_text(json.dumps(stored, indent=1) + "\n")
