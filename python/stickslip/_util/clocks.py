@@ -167,7 +167,8 @@ def _wrapped(t: Array, unit: str | None, lines: Sequence[Line], notes: list[Note
         left = steps[fallen] + span
         at_its_end = np.all((t[fallen] > span - far) & (t[fallen] < span + usual))
         exact = span > _MANY * usual and np.all(np.abs(left - usual) < 0.1 * usual)
-        if np.all((left > 0.0) & (left <= far)) and (at_its_end or exact):
+        # A shorter span would fit the falls of rows in no order.
+        if span > far and np.all((left > 0.0) & (left <= far)) and (at_its_end or exact):
             fits.append(span)
     if not fits:
         return t
