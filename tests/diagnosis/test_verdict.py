@@ -100,7 +100,6 @@ def test_shuffled_readings_have_no_name():
     assert found(Table({"x": X}, table.y[order], sd=0.1)).verdict.kind not in ("named", "pair")
 
 
-@pytest.mark.nightly
 @pytest.mark.parametrize(("chance", "sure", "members"), [(0.949, [], 2), (0.951, ["wave"], 1)])
 def test_what_is_sure_and_what_a_set_holds_has_19_of_20(chance, sure, members):
     left = {"none": 0.6 * (1.0 - chance), "bend": 0.4 * (1.0 - chance)}
@@ -111,6 +110,7 @@ def test_what_is_sure_and_what_a_set_holds_has_19_of_20(chance, sure, members):
     assert [fit.name for fit in found.smallest_set()] == [*one][:members]
 
 
+@pytest.mark.nightly
 def test_what_is_left_beside_a_dominant_cause_must_not_follow_the_settings():
     """The same size of error, as scatter and as a wave over the one setting."""
     x = np.linspace(0.0, 1.0, 40)
