@@ -256,9 +256,9 @@ def _of_walker(kind: str, seed: int) -> Asked:
     more = {"also": sorted({*truth["hidden"]} - {*hidden}), "strength": round(strength, 2)}
     if wanted and strength < REACHED * wanted[0]:
         more["state"] = "too weak"
-    # Sizes of laws whose form is the library's too.
+    # Sizes of laws whose form is the library's too; "law" is one of another form.
     sizes = {f"{name}.{key}": value for name, sizes in truth["effects"].items()
-             if name not in MODEL_ERRORS and not entry(name).fixed
+             if name not in (*MODEL_ERRORS, "law") and not entry(name).fixed
              for key, value in sizes.items()}  # fmt: skip
     asked = partial(diagnose, measured, threads=1)
     return Asked(asked, hidden, sizes={**truth["constants"], **sizes}, more=more)

@@ -93,8 +93,9 @@ def row_of(problem: Problem, keep: bool = False) -> Row:
     head |= {"seed": problem.seed} if problem.study else {}
     try:
         asked = problem.asked()
-    except ValueError as error:  # the cause cannot be as strong
-        return {**head, "state": "not made", "text": str(error)}
+    except Exception as error:  # of a value: the cause cannot be as strong
+        state = "not made" if isinstance(error, ValueError) else "failed"
+        return {**head, "state": state, "text": f"{type(error).__name__}: {error}"[:WORD]}
     head |= {"truth": list(asked.truth), "listed": asked.listed, **asked.more}
     begin = time.process_time()
     try:
