@@ -13,14 +13,12 @@ from threadpoolctl import threadpool_limits
 from stickslip._util.messages import check_whole
 from stickslip._util.note import Note
 from stickslip.diagnosis.data.series import LOST_SENSOR
-from stickslip.diagnosis.data.table import READINGS, Table
-from stickslip.diagnosis.fitting.other_units import unit_fault
+from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.scatter import with_scatter
 from stickslip.diagnosis.fitting.search import Progress
 from stickslip.diagnosis.model import (
     Predict,
-    bare_problem,
     computed_tables,
     overflows,
     posed,
@@ -116,11 +114,6 @@ def prepared(
         problem = posed(tables, predict, *stated)
     lost = (note for table in problem.tables for note in table.own_notes)
     fault = next((note for note in lost if note.code == LOST_SENSOR), None)
-    for each in dict.fromkeys((problem.short, problem)) if fault is None else ():
-        fault = unit_fault(each, lambda other: bare_problem(other, predict, *terms(other)),
-                           _units(predict), seed)  # fmt: skip
-        if fault is None:
-            break
     return problem, fault
 
 
@@ -132,17 +125,6 @@ def diagnosed(
     say = progress or (lambda fraction, stage: None)
     findings = run(problem, seed, say, fault or fault_of(problem))
     return Diagnosis(findings, source, (*notes, *moved_constants(findings)))
-
-
-def _units(predict: Predict) -> dict[str, tuple[str, Sequence[str]]]:
-    """Names of the columns of a model's logs, and their SI units."""
-    known: dict[str, tuple[str, Sequence[str]]] = {
-        READINGS: ("the readings", ()), "t": ("time", ("s",))}  # fmt: skip
-    columns: Any = getattr(predict, "columns", ())
-    if hasattr(columns, "reads") and hasattr(columns, "inputs"):
-        known[READINGS] = columns.reads, (columns.unit,)
-        known |= {name: (name, units) for name, units in columns.inputs.items()}
-    return known
 
 
 # Matrices are small: further threads of their products wait for each other longer than they work.

@@ -11,7 +11,6 @@ from stickslip import _core
 from stickslip._util.messages import shown
 from stickslip._util.note import Note
 from stickslip.scenario.matter import left_out
-from stickslip.simulation.unit_notes import unit_notes
 
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
@@ -22,9 +21,6 @@ MOST_SHOWN = 4
 CODES = (
     # What was not simulated or measured whole.
     "record-cut", "condition-not-met", "window-cut",
-    # Values in another unit, as far as can be seen.
-    "unit-map", "unit-map-background", "unit-time", "unit-length", "unit-mass",
-    "unit-inductance", "unit-angle",
     # A robot that does not walk.
     "rest-no-field", "rest-no-moment", "rest-torque", "rest-adhesion", "rest-drag", "rest-friction",
     "rest",
@@ -34,7 +30,7 @@ CODES = (
     "field-change", "velocity-grows", "turning", "start-up", "window-short", "pulses-short",
     "fluid", "inner",
     # Other values that are probably mistakes.
-    "hidden-key", "prior", "inductance", "capacitor",
+    "hidden-key", "prior", "capacitor",
     "voltage", "density", "moment", "steep-surface", "adhesion", "tangential-restitution",
     "tolerance",
     # Facts, without a fault.
@@ -66,11 +62,7 @@ def with_those_of_files(
     scenario: Scenario, core: _core.Scenario, rows: Iterable[tuple[str, str, float | None]]
 ) -> list[Note]:
     """Notes of the core, and of what it does not know: how values and files were given."""
-    units = unit_notes(scenario, core)
-    # A unit explains the density that it makes, and the moment of a mass.
-    explained = any(note.code in ("unit-mass", "unit-length") for note in units)
-    others = [Note(*row) for row in rows if not (explained and row[0] in ("density", "moment"))]
-    return [*units, *others, *_of_files(scenario)]
+    return [*(Note(*row) for row in rows), *_of_files(scenario)]
 
 
 def _of_files(scenario: Scenario) -> Iterator[Note]:

@@ -19,7 +19,7 @@ from stickslip._util.messages import shown
 from stickslip._util.note import Note
 from stickslip._util.recipes import Entry, Match, Plausible, Recipe
 from stickslip._util.text import OneLine, comma_hint, counted, plain
-from stickslip._util.units import factor_text, is_of, quantity_of, split_unit, unit_factor
+from stickslip._util.units import is_of, quantity_of, split_unit
 from stickslip.diagnosis.data.outliers import marks_of_none
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import Key, Value, full_name, in_allowed_case, known_keys
@@ -30,9 +30,6 @@ from stickslip.walker.outliers import far_from_their_group
 FASTEST = 1.0
 """Mean velocity, m/s; a robot of this size is slower, and beyond it a unit is wrong. Chosen: the
 paper's robots walk some mm/s."""
-
-_ALIKE = 1.1
-"""Ratio within which trials of one condition are alike. Chosen: their errors are some per cent."""
 
 _WALKING = Plausible("m/s", high=FASTEST)
 _FIELD, _PACE = Plausible("T", high=0.1), Plausible("Hz", low=0.2)
@@ -485,10 +482,7 @@ def _without_outliers(name: str, velocity: Array, condition: Indices, left_out: 
     """Leave out trials that are outliers among the others of their condition."""
     far, level = far_from_their_group(velocity, condition)
     for k in np.flatnonzero(far):
-        factor = unit_factor(abs(velocity[k] / level[k]), _ALIKE) if level[k] else None
         text = f"{name}: a trial of {velocity[k]:.4g} m/s is far from the others of its condition, "
         text += f"which are near {level[k]:.4g} m/s"
-        if factor is not None:
-            text += f"; the factor of {factor_text(factor)} is that of a wrong unit"
         left_out.append(Note("outlier", f"{text}.", float(velocity[k])))
     return np.asarray(~far)

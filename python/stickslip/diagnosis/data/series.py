@@ -20,7 +20,6 @@ from stickslip._util.arrays import (
     locked,
     root_mean_square,
     row,
-    states_unit,
     unit_carried,
 )
 from stickslip._util.messages import known_arguments, refuse, shown
@@ -36,7 +35,6 @@ from stickslip.diagnosis.data.outliers import (
 from stickslip.diagnosis.data.settings import Settings
 from stickslip.diagnosis.data.signal import Signal
 from stickslip.diagnosis.data.table import (
-    READINGS,
     Table,
     rows_in_words,
     stated_errors,
@@ -46,10 +44,7 @@ from stickslip.diagnosis.data.table import (
 from stickslip.errors import ScenarioError
 
 if TYPE_CHECKING:
-    from typing_extensions import Self
-
-LATEST = 1e11
-"""Time, s since 1970, from which on it is in a smaller unit: the year 5138."""
+    pass
 
 STRETCHES = 12
 """Stretches into which each record is cut, and parts of all readings, to be held out in turn.
@@ -123,8 +118,6 @@ class Series(Table):
         given = {str(key): values for key, values in (inputs or {}).items()}
         check_indexes(self.at, {"t": t, "y": y, "sd": sd, **given})
         times = row(f"{self.at}t", t, unit="s")
-        if len(times) and abs(times[0]) >= LATEST:
-            refuse(f"{self.at}t", times[0].item(), "s; ms, us or ns since 1970 may be meant")
         count = len(times)
         late = np.flatnonzero(np.diff(times) <= 0.0)
         if len(late):
@@ -161,10 +154,6 @@ class Series(Table):
             whole = Series(times, read, acting, 1.0, self.name, self.repeat_of, unit=unit)
             self._take_of(whole, np.flatnonzero(~gap))
         self.stated = stated is not None
-        bare = {"t": t, **given}
-        if unit == "-":
-            bare[READINGS] = y
-        self.unstated = [key for key, values in bare.items() if not states_unit(values)]
         self.rows = np.flatnonzero(~gap)
         self._take(times, readings, acting, stated, ~gap)
 
@@ -237,14 +226,6 @@ class Series(Table):
         kept, made = np.arange(len(self)) < count, self.having()
         made._take(self.t, self.y, self.inputs, self.errors.sd, kept)
         return made.having(errors=replace(self.errors, sd=self.errors.sd[kept]))
-
-    def converted(self, column: str, per: float, zero: float = 0.0) -> Self:
-        """The same with a column in SI that was in another unit; see `Table`."""
-        made = super().converted(column, per, zero)
-        if column != READINGS:
-            made.t = made.settings["t"]
-            made.inputs = {key: made.settings[key] for key in self.inputs}
-        return made
 
     def signal(self, name: str, held: bool) -> Signal:
         """An input as it acts, where it is held between readings or else a line."""
