@@ -467,9 +467,8 @@ def sound_numbers(
 ) -> tuple[dict[str, Array], list[Note]]:
     """Columns of numbers by name, shape (n,), of the sound rows, and what was left out.
 
-    A row is sound if all its required cells are numbers; a gap in another column is NaN. What is
-    not plausible is refused, and `several` may refuse the table. A NothingSound says that no row is
-    sound.
+    A row is sound if all its required cells are numbers; a gap in another column is NaN. `several`
+    may refuse the table. A NothingSound says that no row is sound.
     """
     table = read_table(given, recipe).valid()
     if several is not None:
@@ -477,14 +476,6 @@ def sound_numbers(
     there = {name: column.values for name, column in table.known.items()}
     required = [name for name, entry in recipe.entries.items() if entry.required]
     sound = np.all([np.isfinite(there[name]) for name in required], axis=0)
-    for name, values in there.items():
-        plausible = recipe.entries[name].plausible
-        why = plausible and plausible.why(name, np.where(sound, values, math.nan))
-        if why:
-            raise ScenarioError(
-                f"{table.path}: {table.word} {table.lines[why[0]]}: {why[1]}; leave the cell of a "
-                "saturated reading empty"
-            )
     left_out = [*table.notes, *table.not_used()]
     if not sound.all():
         wrong = np.flatnonzero(~sound).tolist()
