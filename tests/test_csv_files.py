@@ -250,7 +250,7 @@ def test_a_column_in_another_unit_is_converted(tmp_path, kind):
         assert numbers_in(below) == numbers_in(found)
     for parted in (" / ", "/") if len(name) < 3 else (" / ",):
         assert numbers_in(read(with_column(name + parted + allowed, n))[0]) == numbers_in(found)
-    with pytest.raises(ScenarioError, match="the unit is not known; allowed are") as error:
+    with pytest.raises(ScenarioError, match="is no unit of it; allowed are") as error:
         read(with_column(wrong, 1.0))
     assert allowed in str(error.value).split("allowed are ")[1].split(", ")
     with pytest.raises(ScenarioError, match=f'"?{name}"?:? is there twice'):
