@@ -136,7 +136,8 @@ def per_heading(heading: str, unit: str, si: str) -> float:
     try:
         return per_si(unit, si)
     except ValueError as error:
-        raise ScenarioError(f"column {shown(heading)}: the unit is not known; {error}") from None
+        text = f"column {shown(heading)}: {shown(unit)} is no unit of it; {error}"
+        raise ScenarioError(text) from None
 
 
 def refuse_twice(names: Sequence[str]) -> None:

@@ -92,14 +92,12 @@ def _column_units(ctx: click.Context, param: click.Parameter, texts: Sequence[st
     """Units by column of ``COLUMN=UNIT,COLUMN=UNIT``, or ``si`` itself."""
     if [*texts] == [SI] or not texts:
         return SI if texts else None
-    parts = [
-        [side.strip() for side in part.rpartition("=")[::2]] for part in ",".join(texts).split(",")
-    ]
-    if not all(name and unit for name, unit in parts):
-        raise click.BadParameter(
-            f"allowed is COLUMN=UNIT, such as speed=deg/s, or {SI}", ctx, param
-        )
-    return {name: unit for name, unit in parts}
+    pairs = [part.rpartition("=")[::2] for text in texts for part in text.split(",")]
+    units = {name.strip(): unit.strip() for name, unit in pairs}
+    if not all(name and unit for name, unit in units.items()):
+        text = f"allowed is COLUMN=UNIT, such as speed=deg/s, or {SI}"
+        raise click.BadParameter(text, ctx, param)
+    return units
 
 
 UNITS = click.option(

@@ -37,7 +37,7 @@ class AngleTable(SimulatedTable):
     the robot, in the world's frame, held long enough, and reached from lying flat without a swing.
     `scenario` is what no parameter sets. Without repeats the error of a reading is what lines
     through every second condition leave over, in the order in which the field changes least. A
-    ScenarioError is raised if angles are in another unit.
+    ScenarioError is raised if many angles are beyond half a turn.
     """
 
     words, section = "angles", "Static pitch, [[angle]]"

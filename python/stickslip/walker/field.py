@@ -31,8 +31,8 @@ class FieldTable(SimulatedTable):
     `table` has columns xp, xm, yp, ym, clamp (A), x, y, z (m), Bx, By, Bz (T), of shape (n,).
     `scenario` is what no parameter sets. Each component of a field is a reading. Without repeats
     their error is what free gains of the coils, a free uniform field and a free turn of the probe
-    leave over. A ScenarioError is raised if currents are in another unit, or every probe is on a
-    wire or outside of the field map.
+    leave over. A ScenarioError is raised if every probe is on a wire, or one outside of the field
+    map.
     """
 
     words, section = "fields", "Field calibration, [[field]]"
