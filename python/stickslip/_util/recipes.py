@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from stickslip._util.arrays import Array, Mask
 from stickslip._util.messages import misspelt, nearest, shown
 from stickslip._util.text import plain
 from stickslip._util.units import ended, per_si, split_unit
@@ -61,15 +60,12 @@ class Recipe:
     exact : bool
         Whether these columns and no others have to be there, and each cell has to be a number. A
         gap is NaN otherwise, and other columns are information.
-    gaps : callable, optional
-        Which numbers of a column stand for no value.
     information : collection of str
         Names of others that are not taken for slips of known ones.
     """
 
     entries: Mapping[str, Entry]
     exact: bool = False
-    gaps: Callable[[Array], Mask] | None = None
     information: Collection[str] = ()
 
     @staticmethod

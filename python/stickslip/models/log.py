@@ -28,7 +28,6 @@ from stickslip._util.units import (
     to_si,
     zero_of,
 )
-from stickslip.diagnosis.data.outliers import marks_of_none
 from stickslip.diagnosis.data.series import Series
 from stickslip.errors import ScenarioError
 
@@ -105,7 +104,7 @@ class _Log(Recipe):
         reads = tuple(getattr(getattr(model, "kind", None), "reads", ()))
         entries = {name: Entry(units[0], (*_ALSO.get(name, ()), *wanted.also.get(name, ())))
                    for name, units in wanted.units.items()}  # fmt: skip
-        return _Log(entries, gaps=marks_of_none, wanted=wanted, also_reads=reads, units=units)
+        return _Log(entries, wanted=wanted, also_reads=reads, units=units)
 
     def matched(self, headings: Sequence[str]) -> list[Match]:
         """The meaning of each column; a ScenarioError names one that is missing, or may be two."""

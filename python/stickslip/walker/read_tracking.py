@@ -18,7 +18,6 @@ from stickslip._util.note import Note
 from stickslip._util.recipes import Recipe
 from stickslip._util.text import OneLine, counted, highest, is_number, plain
 from stickslip._util.units import split_unit
-from stickslip.diagnosis.data.outliers import marks_of_none
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import FILE
 from stickslip.scenario.scenario import Scenario
@@ -34,9 +33,7 @@ _OPTIONAL = {"z": "m", "current_x": "A", "current_clamp": "A"}
 _OF_A_RUN = [split_unit(heading)[0] for name in COLUMNS for heading in headings(name)]
 """Columns of the CSV file of a run, which is a film too."""
 
-_RECIPE = Recipe.of(
-    REQUIRED | _OPTIONAL, REQUIRED, gaps=marks_of_none, information=frozenset(_OF_A_RUN)
-)
+_RECIPE = Recipe.of(REQUIRED | _OPTIONAL, REQUIRED, information=frozenset(_OF_A_RUN))
 
 FEWEST = 20
 """Frames after the third pulse; runs with fewer are left out. Chosen: they tell too little."""

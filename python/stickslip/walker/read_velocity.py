@@ -20,7 +20,6 @@ from stickslip._util.note import Note
 from stickslip._util.recipes import Entry, Match, Recipe
 from stickslip._util.text import OneLine, comma_hint, counted, plain
 from stickslip._util.units import is_of, quantity_of, split_unit
-from stickslip.diagnosis.data.outliers import marks_of_none
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import Key, Value, full_name, in_allowed_case, known_keys
 from stickslip.scenario.scenario import Scenario
@@ -168,7 +167,7 @@ def velocities() -> Recipe:
     for name, key in settings().items():
         unit = None if key.kind == "word" else key.unit
         entries[name] = Entry(unit, (key.name, name_of(key.name)))
-    return _Velocities(entries, gaps=marks_of_none)
+    return _Velocities(entries)
 
 
 def with_index_columns(table: Any) -> Any:

@@ -18,7 +18,6 @@ from stickslip._util.note import Note
 from stickslip._util.prior import Prior
 from stickslip._util.recipes import Recipe
 from stickslip._util.text import OneLine, printable
-from stickslip.diagnosis.data.outliers import marks_of_none
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import COIL_NAMES
 from stickslip.scenario.scenario import Scenario, loaded
@@ -56,10 +55,7 @@ _COLUMNS = {
     },
 }
 
-_RECIPES = {
-    observable: Recipe.of(units, units, gaps=marks_of_none)
-    for observable, units in _COLUMNS.items()
-}
+_RECIPES = {observable: Recipe.of(units, units) for observable, units in _COLUMNS.items()}
 
 _REQUIRED = {"velocity": ("velocity",), "tracking": tuple(REQUIRED), **_COLUMNS}
 """The columns without which there is no table of an observable."""

@@ -30,7 +30,6 @@ from stickslip.diagnosis.data.outliers import (
     FEW,
     alike_and_lost,
     far_from_all_others,
-    marks_of_none,
 )
 from stickslip.diagnosis.data.settings import Settings
 from stickslip.diagnosis.data.signal import Signal
@@ -39,7 +38,6 @@ from stickslip.diagnosis.data.table import (
     rows_in_words,
     stated_errors,
     without_gaps,
-    without_marks,
 )
 from stickslip.errors import ScenarioError
 
@@ -124,19 +122,13 @@ class Series(Table):
             before, time = times[late[0] : late[0] + 2].tolist()
             refuse(f"{self.at}t: row {late[0] + 1}", time, f"a time after {before!r}")
         notes: list[Note] = []
-        what = f"{self.at}y"
-        readings = without_marks(what, row(what, y, count, unit=unit, gaps=True), notes)
+        readings = row(f"{self.at}y", y, count, unit=unit, gaps=True)
         units = {key: _unit_of_input(values, unit) for key, values in given.items()}
         acting = {key: row(f"{self.at}inputs {key}", values, count, unit=units[key])
                   for key, values in given.items()}  # fmt: skip
         self.input_units = {key: each for key, each in units.items() if each is not None}
         own = {key: (values, units[key]) for key, values in given.items()}
         notes += conversions(self.at, {"t": (t, "s"), "y": (y, unit), "sd": (sd, unit), **own})
-        for key, values in acting.items():
-            for k in np.flatnonzero(marks_of_none(values))[:1].tolist():
-                what = f"{self.at}inputs {key}: row {k}"
-                text = "the value that acted; this looks like a mark for no value"
-                refuse(what, values[k].item(), text)
         stated = None if sd is None else stated_errors(f"{self.at}sd", sd, count, unit)
         gap = np.isnan(readings) | np.isnan(0.0 if stated is None else stated)
         self.own_notes = (*notes, *without_gaps(self.at, gap))

@@ -36,7 +36,6 @@ from stickslip._util.note import Note
 from stickslip._util.text import counted
 from stickslip._util.units import unit_label
 from stickslip.diagnosis.data.errors import estimate, no_finer_than_the_meter
-from stickslip.diagnosis.data.outliers import marks_of_none
 from stickslip.diagnosis.data.settings import Settings
 from stickslip.errors import ScenarioError
 
@@ -65,7 +64,7 @@ class Table:
     """Readings at settings. Rows with equal settings are repeats of one condition.
 
     Numbers are equal within 1e-6 of their size and of the spread of their column. A row with a gap
-    (masked, None, NaN, a mark such as -9999) is left out, and a note says so. Arrays are copied.
+    (masked, None, NaN) is left out, and a note says so. Arrays are copied.
 
     Parameters
     ----------
@@ -147,7 +146,7 @@ class Table:
         beside = {"y": y, "sd": sd, "block": block, "run": run}
         check_indexes(at, {**beside, "settings": settings, **(columns or {})})
         notes: list[Note] = []
-        readings = without_marks(f"{at}y", row(f"{at}y", y, unit=unit, gaps=True), notes)
+        readings = row(f"{at}y", y, unit=unit, gaps=True)
         count = len(readings)
         gap = np.isnan(readings)
         given = _of_array(f"{at}settings", settings, count) if columns is None else columns
@@ -157,9 +156,6 @@ class Table:
         for key, values in given.items():
             what = f"{at}settings {key}"
             read[key], missing = column(what, values, count)
-            if read[key].dtype.kind == "f":
-                read[key] = without_marks(what, read[key], notes)
-                missing = np.isnan(read[key])
             gap = gap | missing
         stated = None if sd is None else stated_errors(f"{at}sd", sd, count, unit)
         gap = gap if stated is None else gap | np.isnan(stated)
@@ -403,17 +399,6 @@ def stated_errors(what: str, sd: ArrayLike, count: int, unit: str) -> Array:
     if values.shape not in ((), (count,)) or not np.all(np.isnan(values) | (values > 0.0)):
         refuse(what, sd, f"a number above 0, or {count} of them")
     return np.broadcast_to(values, (count,))
-
-
-def without_marks(what: str, values: Array, notes: list[Note]) -> Array:
-    """Values with NaN for what stands for no value, such as -9999, and a note on these."""
-    marks = marks_of_none(values)
-    if not marks.any():
-        return values
-    rows = np.flatnonzero(marks)
-    text = f"{what}: {rows_in_words(rows)}: {values[rows[0]]:g} stands for no value."
-    notes.append(Note("marks-of-none", text, len(rows)))
-    return np.where(marks, np.nan, values)
 
 
 def without_gaps(at: str, gap: Mask) -> list[Note]:
