@@ -21,7 +21,7 @@ from scores import interval
 
 from stickslip import ScenarioError, models
 
-OUTCOMES = "right", "noted", "unstated", "refused", "WRONG"
+OUTCOMES = "right", "noted", "refused", "WRONG"
 JOINT = models.joint(inertia=0.1, viscous=0.2)
 TURNS, RADIANS = 60.0 / (2.0 * np.pi), 180.0 / np.pi
 Truth = dict[str, np.ndarray]
@@ -50,7 +50,7 @@ FORMS = ("{} ({})", "{} [{}]", "{} / {}")
 
 def stated(random: np.random.Generator, of: Truth) -> tuple[str, str]:
     """A log of names and units, and the kind that it is."""
-    kind = str(random.choice(["units", "no units", "wrong unit", "error", "gap", "wrap", "twice"]))
+    kind = str(random.choice(["units", "no units", "wrong unit", "error", "gap", "twice"]))
     order = random.permutation(list(of))
     separator = str(random.choice([",", ";", "\t"]))
     heads, cells = [], []
@@ -61,8 +61,6 @@ def stated(random: np.random.Generator, of: Truth) -> tuple[str, str]:
         head = str(random.choice(NAMES[name]))
         heads.append(str(random.choice(FORMS)).format(head, unit) if unit else head)
         values = of[name] * per
-        if kind == "wrap" and name == "t":
-            heads[-1], values = "time (us)", (of[name] * 1e6 + 2**32 - 3e5).round() % 2**32
         cells.append([f"{each:.12g}" for each in values])
     if kind == "wrong unit":
         heads[int(random.integers(3))] = f"{random.choice(list(NAMES))} (kg)"
@@ -104,10 +102,10 @@ def _logger(random: np.random.Generator, of: Truth) -> str:
 
 
 def _controller(random: np.random.Generator, of: Truth) -> str:
-    """Whole microseconds of a clock of 32 bits, tab-separated, with a set point."""
+    """Whole microseconds, tab-separated, with a set point."""
     first = int(random.integers(2**31, 2**32))
     lines = ["time_us\ttorque_Nm\tspeed_rpm\tsetpoint_rpm"]
-    lines += [f"{(first + round(1e6 * a)) % 2**32}\t{b:.6f}\t{c * TURNS:.6f}\t{c * TURNS + 9:.3f}"
+    lines += [f"{first + round(1e6 * a)}\t{b:.6f}\t{c * TURNS:.6f}\t{c * TURNS + 9:.3f}"
               for a, b, c in _rows(of)]  # fmt: skip
     return "\n".join(lines) + "\n"
 
@@ -133,7 +131,8 @@ def _arduino(random: np.random.Generator, of: Truth) -> str:
 def _unix(random: np.random.Generator, of: Truth) -> str:
     power = int(random.integers(4))
     first = 1_790_000_000 + int(random.integers(10**6))
-    lines = ["timestamp,torque (N m),speed (rad/s),error"]
+    unit = ("s", "ms", "us", "ns")[power]
+    lines = [f"timestamp ({unit}),torque (N m),speed (rad/s),error"]
     for a, b, c in _rows(of):
         stamp = (
             f"{first + a:.6f}" if power == 0 else f"{first * 1000**power + round(a * 1e3**power)}"
@@ -154,9 +153,9 @@ WRITERS: dict[str, Writer] = {
     "encoder": _plain("t [s],torque [N m],speed [rpm]", lambda a, b, c:
                       f"{a:.4f},{b:.4f},{(round(c * TURNS * 10) % 65536) / 10:.1f}"),
     "arduino": _arduino, "unix": _unix,
-    "days": _plain("Date,Torque (Nm),Speed (rad/s)", lambda a, b, c:
+    "days": _plain("Date (d),Torque (Nm),Speed (rad/s)", lambda a, b, c:
                    f"{46143.4 + a / 86400:.12f},{b:.4f},{c:.6f}"),
-    "stopwatch": _plain("time,torque (N m),speed (rad/s)", lambda a, b, c:
+    "stopwatch": _plain("time (mm:ss),torque (N m),speed (rad/s)", lambda a, b, c:
                         f"{int(60 + a) // 60:02}:{(60 + a) % 60:07.4f},{b:.4f},{c:.6f}"),
 }  # fmt: skip
 
@@ -166,11 +165,7 @@ def _rows(of: Truth) -> list[tuple[float, float, float]]:
 
 
 def outcome(seed: int, folder: Path) -> tuple[str, str]:
-    """The kind of a drawn log, and ``right``, ``noted``, ``unstated``, ``refused`` or ``WRONG``.
-
-    Of one that is not right, the reader may still say of the column that its unit is not stated, so
-    that the diagnosis asks; a note that names what was done is one of its kind.
-    """
+    """The kind of a drawn log, and ``right``, ``noted``, ``refused`` or ``WRONG``."""
     random = np.random.default_rng([seed, 79])
     of = truth(random)
     if seed % 2:
@@ -190,9 +185,8 @@ def outcome(seed: int, folder: Path) -> tuple[str, str]:
     for name, values in found.items():
         size = float(np.ptp(expected[name]))
         if values is None or np.max(np.abs(values - expected[name])) > 5e-3 * size:
-            unstated = {"speed": ""}.get(name, name) in log.unstated
-            return kind, "unstated" if unstated else "WRONG"
-    told = {note.code for note in log.own_notes} - {"no-unit", "converted"}
+            return kind, "WRONG"
+    told = {note.code for note in log.own_notes} - {"converted"}
     return kind, "noted" if told else "right"
 
 

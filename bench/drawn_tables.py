@@ -2,7 +2,7 @@
 
 A table is a list of columns, each with its name, its unit and its numbers in SI. Laboratories and
 programs change how it is written: other names and units, a preamble, a row of units, commas for
-points, an index, a column beside, gaps, marks and sums below. None of this shares code with a
+points, an index, a column beside, gaps and sums below. None of this shares code with a
 reader. Each table is right, noted, refused, or silently wrong.
 """
 
@@ -79,11 +79,8 @@ def told(random: Random, how: str, name: str, si: str, values: Sequence[float]) 
     unit = str(random.choice(list(units)))
     if how == "no units" or random.random() < 0.2:
         unit = si
-    bare = how == "unstated" and random.random() < 0.5
-    if bare:
-        unit = str(random.choice([each for each in units if not 0.5 < units[each] < 2.0]))
     cells = _cells([each * units[unit] for each in values])
-    bare = bare or how == "no units" or (unit == si and random.random() < 0.3)
+    bare = how == "no units" or (unit == si and random.random() < 0.3)
     return Written(name, "" if bare else unit, cells)
 
 
@@ -136,10 +133,10 @@ def laid(random: Random, how: str, columns: list[Written]) -> str:
     return ("\ufeff" if random.random() < 0.2 else "") + end.join([*above, *lines]) + end
 
 
-HOW = ("plain", "no units", "unstated", "wrong unit", "other name", "decimal commas",
+HOW = ("plain", "no units", "wrong unit", "other name", "decimal commas",
        "row of units", "preamble", "comments", "three rows of heads", "index", "empty columns",
        "head again", "sums below", "thousands", "cut off", "separator told", "savetxt", "beside",
-       "gap", "mark", "unit in a cell", "twice", "shuffled")  # fmt: skip
+       "gap", "unit in a cell", "twice", "shuffled")  # fmt: skip
 
 
 def _comma(cell: str) -> str:
@@ -183,9 +180,6 @@ def spoiled(random: Random, how: str, columns: list[Written]) -> list[Written]:
     elif how == "gap":
         cells[row] = str(random.choice(["", "nan", "NaN", "-", "n/a", "ERR", "#DIV/0!", "--", "OL",
                                         "---", "NULL", "inf", "1.23(4)", "<0.1"]))  # fmt: skip
-    elif how == "mark":
-        for at in {row, int(random.integers(len(cells)))}:
-            cells[at] = str(random.choice(["-9999", "-999.99", "1e+38", "9.90000E+37"]))
     elif how == "unit in a cell":
         columns[k] = columns[k]._replace(cells=[f"{cell} {unit or 'mm'}" for cell in cells])
     elif how == "twice":
@@ -309,15 +303,11 @@ TABLES: dict[str, Callable[[Random, str, Path], str]] = {
 
 
 def outcome(seed: int, folder: Path) -> tuple[str, str]:
-    """The kind of a drawn table, and ``right``, ``noted``, ``unstated``, ``refused`` or ``WRONG``.
-
-    Numbers of a column without a unit that may as well be in SI no reader can tell; the diagnosis
-    asks there.
-    """
+    """The kind of a drawn table, and ``right``, ``noted``, ``refused`` or ``WRONG``."""
     random = np.random.default_rng([seed, 80])
     table, how = str(random.choice(list(TABLES))), str(random.choice(HOW))
     try:
         what = TABLES[table](random, how, folder / "table.csv")
     except ScenarioError:
         what = "refused"
-    return f"{table}, {how}", "unstated" if (how, what) == ("unstated", "WRONG") else what
+    return f"{table}, {how}", what

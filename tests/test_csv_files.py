@@ -14,7 +14,6 @@ from stickslip import FieldMap, Measurement, Scenario, ScenarioError, Waveform
 from stickslip._util.columns import read_table, sound_numbers
 from stickslip._util.recipes import Recipe
 from stickslip._util.units import per_si, to_si
-from stickslip.diagnosis.data.outliers import marks_of_none
 from stickslip.scenario.keys import COIL_NAMES
 from stickslip.walker.read_velocity import read_velocity
 from stickslip.walker.read_velocity import velocities as of_velocities
@@ -33,7 +32,7 @@ def velocities(path):
 
 def numbers_of(columns):
     def read(path):
-        recipe = Recipe.of(columns, columns, gaps=marks_of_none)
+        recipe = Recipe.of(columns, columns)
         table, left_out = sound_numbers(path, recipe)
         return {name: column.tolist() for name, column in table.items()}, left_out
 

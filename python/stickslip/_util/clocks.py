@@ -64,7 +64,7 @@ def _nanoseconds(stamp: re.Match[str], minutes: bool) -> int | None:
 
 
 def times(column: Column, path: object, lines: Sequence[Line]) -> tuple[Array, list[Note], bool]:
-    """Times of a column, s, NaN where there is none; notes, and whether they are dates or clocks.
+    """Times of a column, s, NaN where there is none; notes, and whether none is a number.
 
     Dates, and numbers as large as dates, are counted from the first.
     """
@@ -85,7 +85,7 @@ def times(column: Column, path: object, lines: Sequence[Line]) -> tuple[Array, l
             "allowed are clocks such as 12:00:01.5, or another unit"
         )
     if not known or abs(t[known[0]]) < _LATE:
-        return t, [], False
+        return t, [], not known
     first = float(t[known[0]])
     note = Note("dates", f"Times are counted from the first, {first:.10g} s.", first)
     return t - first, [note], False

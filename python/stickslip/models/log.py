@@ -117,7 +117,8 @@ class _Log(Recipe):
                 for text in headings]  # fmt: skip
         for name, (k, heading) in found.items():
             si = heading.si(self.wanted.units[name])
-            unit = si if heading.unit is None and self.units == SI else heading.unit
+            in_si = heading.unit is None and self.units == SI and name != _ERROR
+            unit = si if in_si else heading.unit
             per = 1.0 if unit is None else per_heading(heading.text, unit, si)
             made[k] = Match(heading.text, name, si, unit, per)
         return made
