@@ -1,6 +1,5 @@
 """Tables of tracked frames as they come: what is left out, and what is used."""
 
-
 import numpy as np
 import pytest
 

@@ -1,6 +1,5 @@
 """Models in time: records, their errors, start states, and causes that act on an input."""
 
-
 import numpy as np
 import pytest
 from scipy.signal import lfilter
