@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -293,7 +293,7 @@ class Model(OneLine):
         """
         _check_names(self.kind, values)
         record = Series(t, np.zeros(np.shape(np.asarray(t))), inputs, sd=1.0)
-        self._check_record(record)
+        self._check_record(record, values)
         p = {name: row(name, [each])[:, None] for name, each in (self.middles | values).items()}
         return np.asarray(self(record, p)[0])
 
@@ -427,7 +427,7 @@ class Model(OneLine):
             best = nearer[np.argmax(left(nearer) <= likely)]
         return {name: float(ranges[name].value(best[k])) for k, name in enumerate(ranges)}
 
-    def _check_record(self, record: Any) -> None:
+    def _check_record(self, record: Any, given: Collection[str] = ()) -> None:
         unit, known = self.unit, self.kind.inputs
         if not isinstance(record, Series):
             allowed = "a Series or a list of them"
@@ -443,7 +443,7 @@ class Model(OneLine):
             units, carried = self._input_units[name], record.input_units.get(name)
             if carried and not any(same_unit(carried, each) for each in units):
                 refuse(f"{record.at}input {name}: unit", carried, " or ".join(units))
-        for name in known.keys() - record.inputs.keys() - self.known.keys():
+        for name in known.keys() - record.inputs.keys() - self.known.keys() - {*given}:
             if name in self.kind.every and self.kind.every[name].absent is None:
                 allowed = f"a constant or an input, {known[name]}"
                 raise ScenarioError(f"{record.at}{name} is missing: allowed is {allowed}")
