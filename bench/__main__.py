@@ -23,7 +23,7 @@ PROGRAMS = {
     "rules": ("rules", "which rules of the diagnosis decide anything, counted on the score"),
     "blind": ("blind.writing", "a made data set of a walker as files (blind KIND SEED INTO)"),
     "causes": ("causes", "a benchmark for any tool that names causes: make, or a tool"),
-    "drawn": ("drawn_logs", "drawn logs and tables of known truth, right, noted or refused"),
+    "drawn": ("drawn", "drawn tables and logs of known truth: right, noted or refused"),
     "mutations": ("mutations", "whether the tests see a change of the C++ or Python sources"),
     "lines": ("lines", "lines of each wing of the project"),
 }

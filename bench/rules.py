@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import itertools
 import json
 import math
 import multiprocessing
@@ -24,7 +23,7 @@ from typing import Any
 
 from score.rows import KEPT, in_turns, row_of
 from scores import Row, answer, markdown
-from stale import digest
+from stale import digest, stale
 
 from stickslip.diagnosis import pipeline
 from stickslip.diagnosis.decision import verdict as decision
@@ -34,8 +33,8 @@ STORED = Path(__file__).with_name("rules.json")
 WORTH = {"right name": 3, "right set": 2, "large set": 1, "silent": 1, "rightly silent": 1}
 """Of an outcome; 0 of a wrong set or name."""
 DECISION = "verdict", "posterior", "gain", "misfit_test"  # modules
-SEARCHED = 40  # problems of `search`: of each class the first that part 1 of 8 has, in turn
-DEAR = "walkers", "measured"  # classes of which one takes as long as twenty others
+SEARCHED = 40  # problems of `search`: the first of part 1 of 8, which has the classes in turn
+LEFT_OUT = "clean", "units", "walkers", "measured"  # that say little of a search, or take long
 Patch = tuple[Any, str, Any]
 Said = dict[str, tuple[str, str, list[str]]]
 """Outcome, verdict and causes of each problem."""
@@ -45,15 +44,20 @@ def _module(name: str) -> Any:
     return import_module(f"stickslip.diagnosis.{name}")
 
 
-def numbers_of(module: str) -> Iterator[tuple[str, list[Patch]]]:
-    """Each number in capitals of a module, half as large again and a third smaller, each user."""
+def numbers() -> Iterator[tuple[str, list[Patch]]]:
+    """Each number in capitals, half as large again and a third smaller, with all its users.
+
+    Of a probability or a share above a half that is what it lacks of 1.
+    """
     users = [_module(f"decision.{each}") for each in DECISION]
-    for key, value in vars(_module(f"decision.{module}")).items():
-        if key.lstrip("_").isupper() and type(value) in (int, float):
-            for by in (1.5, 1 / 1.5):
-                moved = type(value)(round(value * by, 6))
-                patches = [(user, key, moved) for user in users if vars(user).get(key) == value]
-                yield f"{module}.{key} = {moved:g}", patches
+    every = {(key, value) for user in users for key, value in vars(user).items()
+             if key.lstrip("_").isupper() and type(value) in (int, float)}  # fmt: skip
+    for key, value in sorted(every):
+        for by in (1.5, 1 / 1.5):
+            moved = 1.0 - by * (1.0 - value) if 0.5 < value < 1.0 else value * by
+            moved = type(value)(float(f"{moved:.3g}"))
+            patches = [(user, key, moved) for user in users if vars(user).get(key) == value]
+            yield f"`{key}` {value:g} → {moved:g}", patches
 
 
 @cache
@@ -75,7 +79,7 @@ def of_decision() -> dict[str, list[Patch]]:
     }  # fmt: skip
     rules: dict[str, list[Patch]] = {name: [(verdict, *each)] for name, each in off.items()}
     rules["half a lead between twins"] = [(one, "ALIKE", 2.0) for one in (verdict, posterior)]
-    return rules | dict(itertools.chain(*map(numbers_of, DECISION)))
+    return rules | dict(numbers())
 
 
 @cache
@@ -187,8 +191,8 @@ def decide(pool: Any) -> Iterator[tuple[str, Row]]:
 
 def search(pool: Any, rules: list[str]) -> Iterator[tuple[str, Row]]:
     """Counts of rules of the search, one after another."""
-    cheap = [each for each in in_turns(1, 8) if not each.group.startswith(DEAR)]
-    problems, before = sorted(cheap[:SEARCHED], key=lambda each: each.name), {}
+    fit = [each for each in in_turns(1, 8) if not each.group.startswith(LEFT_OUT)]
+    problems, before = sorted(fit[:SEARCHED], key=lambda each: each.name), {}
     for rule in ["", *rules]:
         said = pool.map(diagnosed, [(rule, each) for each in problems], 1)
         now = {each.name: one for each, one in zip(problems, said, strict=True)}
@@ -198,9 +202,10 @@ def search(pool: Any, rules: list[str]) -> Iterator[tuple[str, Row]]:
 
 
 def page() -> str:
-    """The counts as Markdown, the rules that are needed first; what decides nothing by its name."""
+    """The counts as Markdown, rules that are needed first; others by their names."""
     parts = []
     for step, rows in json.loads(STORED.read_text()).items() if STORED.exists() else ():
+        parts += stale(rows.values())
         order = sorted(rows.items(), key=lambda each: (-len(each[1]["worse"]), each[0]))
         kinds = "worse", "better", "other"
         cells = [(name, *(len(row[each]) or "" for each in kinds), row["of"])
@@ -219,10 +224,10 @@ def main() -> None:
     stored: dict[str, Any] = json.loads(STORED.read_text()) if STORED.exists() else {}
     if asked.step:
         rows = stored.setdefault(asked.step, {})
-        stale = [name for name in of_search() if rows.get(name, {}).get("golden") != digest()]
+        left = [name for name in of_search() if rows.get(name, {}).get("golden") != digest()]
         ends = time.monotonic() + 60.0 * asked.minutes
         with multiprocessing.get_context("spawn").Pool(2) as pool:
-            found = decide(pool) if asked.step == "decide" else search(pool, stale)
+            found = decide(pool) if asked.step == "decide" else search(pool, left)
             for rule, row in found:
                 rows[rule] = row
                 STORED.write_text(json.dumps(stored, indent=1) + "\n")

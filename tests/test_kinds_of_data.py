@@ -2,8 +2,7 @@
 
 import datetime
 
-import drawn_logs
-import drawn_tables
+import drawn
 import numpy as np
 import pandas as pd
 import pint
@@ -98,6 +97,8 @@ LOGS = {
     "32 bits of us": (
         joint("time (us)", (2**32 - 900_000 + 20000 * np.arange(N)) % 2**32), JOINT,
         "sort the rows, or cut", None),
+    "no order": (joint("time (s)", 0.1 * np.random.default_rng(3).permutation(N)), JOINT,
+                 "sort the rows, or cut", None),
     "midnight": (joint("time", clocks(86400 - 50, "{h:02}:{m:02}:{s:02}")), JOINT,
                  "sort the rows, or cut", None),
     "hh:mm or mm:ss": (joint("time", clocks(300, "{m:02}:{s:02}")), JOINT, '"time (mm:ss)"', None),
@@ -223,7 +224,7 @@ def test_means_below_a_film_are_no_frame(tmp_path):
     frames = np.stack([t, 1e-4 + 3e-3 * t, 0.3 * np.sin(90.0 * t) ** 2], axis=1)
     rows = np.vstack([frames, frames.mean(axis=0)])
     pd.DataFrame(rows, columns=["t", "x", "theta"]).to_csv(tmp_path / "film.csv", index=False)
-    run, notes = read_tracking(tmp_path / "film.csv", {}, drawn_tables.SCENARIO)
+    run, notes = read_tracking(tmp_path / "film.csv", {}, drawn.SCENARIO)
     np.testing.assert_array_equal(run.columns["t"], t)
     assert [note.code for note in notes] == ["last-row-back"]
 
@@ -333,9 +334,9 @@ def test_a_variable_of_scipp_is_read():
     np.testing.assert_allclose(Series(Scipp(1e3 * T, "ms"), SPEED).t, T)
 
 
-@pytest.mark.parametrize("outcome", [drawn_logs.outcome, drawn_tables.outcome])
-def test_what_is_drawn_is_never_silently_wrong(outcome):
-    found = drawn_logs.counts(range(120), outcome)
-    assert sum(found.values()) == 120
+def test_what_is_drawn_is_never_silently_wrong():
+    found = drawn.counts(range(240))
+    assert sum(found.values()) == 240
     assert [kind for (kind, what), _ in found.items() if what == "WRONG"] == []
-    assert len({kind for kind, _ in found}) >= 15
+    assert {kind.split(", ")[0] for kind, _ in found} == set(drawn.TABLES)
+    assert {what for _, what in found} >= {"right", "noted", "refused"}

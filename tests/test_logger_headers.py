@@ -64,6 +64,9 @@ HEADERS = {
     "Testo": ("Datum;Zeit;Temperatur [°C];Leistung [W]",
               (clock("%d.%m.%Y"), clock("%H:%M:%S"), Y, U), "heater", f'{TIME}"Datum", "Zeit"'),
     "Arduino": ("t_ms,rpm,torque_mNm", (1e3 * T, RPM * Y, 1e3 * U), "joint", ""),
+    "a logger that began anew": (
+        "t_ms,rpm,torque_mNm\n0,0,1\n20,1,1\nt_ms,rpm,torque_mNm",
+        (1e3 * T, RPM * Y, 1e3 * U), "joint", 'line 4, column t = "t_ms"'),
     "timetable of MATLAB": ("Time,speed,torque", ([f"{t:g} sec" for t in T], Y, U), "joint",
                             'column t = "0 sec": allowed is the number alone'),
     "pandas": (",t,speed,torque", (K, T, Y, U), "joint", ""),

@@ -1,85 +1,56 @@
-"""Drawn changes of the Python package: also a call left out."""
+"""Changes of the Python package, also a call left out; the tests that run a line are nearest."""
 
 from __future__ import annotations
 
 import ast
 import compileall
 import importlib.util
-import py_compile
+import itertools
+import re
 import shutil
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
+from py_compile import PycInvalidationMode
 
-from mutations import trial
-from mutations.trial import ROOT, Mutation
+from mutations.record import Record
+from mutations.trial import PAIRS, ROOT, turned
 
 FILES = ("python/stickslip/**/*.py",)
-_WORDS = {
-    ast.Lt: ("<", ">="),
-    ast.LtE: ("<=", ">"),
-    ast.Gt: (">", "<="),
-    ast.GtE: (">=", "<"),
-    ast.Eq: ("==", "!="),
-    ast.NotEq: ("!=", "=="),
-    ast.Is: ("is", "is not"),
-    ast.IsNot: ("is not", "is"),
-    ast.In: ("in", "not in"),
-    ast.NotIn: ("not in", "in"),
-    ast.Add: ("+", "-"),
-    ast.Sub: ("-", "+"),
-    ast.Mult: ("*", "/"),
-    ast.Div: ("/", "*"),
-    ast.And: ("and", "or"),
-    ast.Or: ("or", "and"),
-}
-_UNFELT = "frozen", "slots", "strict", "kw_only"  # of dataclasses and zip
-_LEAVES = ast.Return, ast.Raise, ast.Continue, ast.Break
+_TURNED = turned(*PAIRS, ("and", "or"), ("is", "is not"), ("in", "not in"))
+_OPERATOR = re.compile(rb"\b(is not|not in|is|in|and|or)\b|(?<![*/<>])([<>=!]=|[-+*/<>](?![*/<>]))")
 
 
-def mutations(file: str, source: bytes) -> Iterator[Mutation]:
-    """All mutations of a file."""
-    starts = [0]
-    for line in source.splitlines(keepends=True):
-        starts.append(starts[-1] + len(line))
+def mutations(source: bytes) -> Iterator[tuple[int, int, str]]:
+    """All changes of a file: from where to where which text is put."""
+    starts = [0, *itertools.accumulate(map(len, source.splitlines(keepends=True)))]
 
-    def begin(node: ast.AST) -> int:
-        return starts[node.lineno - 1] + node.col_offset
-
-    def end(node: ast.AST) -> int:
-        return starts[node.end_lineno - 1] + node.end_col_offset
-
-    def between(left: ast.AST, right: ast.AST, operator: ast.AST) -> tuple[int, int, str] | None:
-        old, new = _WORDS.get(type(operator), ("", ""))
-        at = source.find(old.encode(), end(left), begin(right)) if old else -1
-        return None if at < 0 else (at, at + len(old), new)
+    def span(node: ast.AST) -> tuple[int, int]:
+        start, stop = starts[node.lineno - 1], starts[node.end_lineno - 1]
+        return start + node.col_offset, stop + node.end_col_offset
 
     for node in _runtime(ast.parse(source)):
-        found = None
         match node:
-            case ast.Compare(left, [operator, *_], [right, *_]):
-                found = between(left, right, operator)
-            case ast.BinOp(left, operator, right):
-                found = between(left, right, operator)
-            case ast.BoolOp(operator, [left, right, *_]):
-                found = between(left, right, operator)
+            case ast.Compare(a, _, [b, *_]) | ast.BinOp(a, _, b) | ast.BoolOp(_, [a, b, *_]):
+                # The last, as comments stand before it.
+                *_, operator = None, *_OPERATOR.finditer(source, span(a)[1], span(b)[0])
+                if operator is not None:
+                    yield *operator.span(), _TURNED[operator[0]]
             case ast.UnaryOp(ast.USub() | ast.Not(), operand):
-                found = (begin(node), begin(operand), "")
+                yield span(node)[0], span(operand)[0], ""
             case ast.Constant(bool()):
-                found = (begin(node), end(node), str(not node.value))
+                yield *span(node), str(not node.value)
             case ast.Constant(float()) if node.value:
-                found = (begin(node), end(node), repr(1.5 * node.value))
+                yield *span(node), repr(1.5 * node.value)
             case ast.Constant(int()):
-                found = (begin(node), end(node), repr(node.value + 1))
-            case ast.If(test, [*_, last], []) if isinstance(last, _LEAVES):
-                found = (begin(test), end(test), "False")
+                yield *span(node), repr(node.value + 1)
+            case ast.If(test, [*_, ast.Return() | ast.Raise() | ast.Continue() | ast.Break()], []):
+                yield *span(test), "False"
             case ast.If(test) | ast.IfExp(test):
-                inner = source[begin(test) : end(test)].decode()
-                found = (begin(test), end(test), f"not ({inner})")
+                inner = source[slice(*span(test))].decode()
+                yield *span(test), f"not ({inner})"
             case ast.Expr(ast.Call()):
-                found = (begin(node), end(node), "None")
-        if found is not None:
-            yield Mutation(file, source[: found[0]].count(b"\n") + 1, *found)
+                yield *span(node), "None"
 
 
 def _runtime(tree: ast.AST) -> Iterator[ast.AST]:
@@ -88,36 +59,32 @@ def _runtime(tree: ast.AST) -> Iterator[ast.AST]:
         if field in ("annotation", "returns"):
             continue
         for node in value if isinstance(value, list) else [value]:
-            if not isinstance(node, ast.AST) or isinstance(node, ast.JoinedStr):
-                continue
-            if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
-                continue
-            if isinstance(node, ast.keyword) and node.arg in _UNFELT:
-                continue
-            yield node
-            yield from _runtime(node)
+            match node:
+                case ast.JoinedStr() | ast.keyword("frozen" | "slots" | "strict" | "kw_only"):
+                    continue  # the words of dataclasses and zip are not felt
+                case ast.If(test) if "TYPE_CHECKING" in ast.unparse(test):
+                    continue
+                case ast.AST():
+                    yield node
+                    yield from _runtime(node)
 
 
-def can_be_read(source: bytes) -> bool:
-    try:
-        compile(source, "changed", "exec")
-    except SyntaxError:
-        return False
-    return True
-
-
-class Copy(trial.Copy):
+class Copy:
     """The package beside the compiled modules that are installed."""
 
-    def __init__(self) -> None:
+    def __init__(self, tests: list[str]) -> None:
         self._temporary = tempfile.TemporaryDirectory(prefix="mutations")
         self.folder = Path(self._temporary.name)
         self.package = self.folder / "python"
         ignore = shutil.ignore_patterns("__pycache__", "*.so")
         shutil.copytree(ROOT / "python", self.package, ignore=ignore)
-        # By the sources' contents, which change more often than their times tell.
-        mode = py_compile.PycInvalidationMode.CHECKED_HASH
-        compileall.compile_dir(self.package, quiet=2, invalidation_mode=mode)
         for folder in importlib.util.find_spec("stickslip").submodule_search_locations:
             for module in Path(folder).glob("_*.so"):
                 shutil.copy(module, self.package / "stickslip")
+        self.near = Record(self.package, tests).near
+
+    def build(self, path: Path, limit: float) -> tuple[str, str] | None:
+        # Known by its contents, which change more often than the time of the file tells.
+        mode = PycInvalidationMode.CHECKED_HASH
+        done = compileall.compile_file(path, quiet=2, force=True, invalidation_mode=mode)
+        return None if done else ("unbuilt", "")

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+import rules
 from docutils import nodes
 from report_keys import reference
 from score.__main__ import page
@@ -188,15 +189,16 @@ class BenchResults(SphinxDirective):
 
 
 class Score(SphinxDirective):
-    """The scored table of the diagnosis, of a file of rows."""
+    """The scored table of the diagnosis, of a file of rows, or the counts of its rules."""
 
     required_arguments = 1
 
     def run(self) -> list[nodes.Node]:
-        path = SCORES / self.arguments[0]
+        path = rules.STORED if self.arguments[0] == "rules" else SCORES / self.arguments[0]
         for each in (path, VERDICTS):
             self.env.note_dependency(str(each))
-        parsed = self.parse_text_to_nodes(page(path))
+        text = rules.page() if path == rules.STORED else page(path)
+        parsed = self.parse_text_to_nodes(text)
         return [nodes.container("", *parsed, classes=["measured"])]
 
 

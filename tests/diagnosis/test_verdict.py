@@ -10,7 +10,7 @@ from stickslip import Cause, Prior, Series, diagnose_model, models
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.gain import Gain, in_blocks, measured
 from stickslip.diagnosis.decision.misfit_test import GOF_LEVEL, goodness_of_fit
-from stickslip.diagnosis.decision.posterior import posterior
+from stickslip.diagnosis.decision.posterior import Posterior, posterior
 from stickslip.diagnosis.decision.verdict import _takes_little
 from stickslip.diagnosis.fitting.scatter import with_scatter
 from stickslip.diagnosis.pipeline import run
@@ -98,6 +98,16 @@ def test_shuffled_readings_have_no_name():
     table = data(extra(wave=0.6))
     order = np.random.default_rng(3).permutation(30)
     assert found(Table({"x": X}, table.y[order], sd=0.1)).verdict.kind not in ("named", "pair")
+
+
+@pytest.mark.parametrize(("chance", "sure", "members"), [(0.949, [], 2), (0.951, ["wave"], 1)])
+def test_what_is_sure_and_what_a_set_holds_has_19_of_20(chance, sure, members):
+    left = {"none": 0.6 * (1.0 - chance), "bend": 0.4 * (1.0 - chance)}
+    fits = run(problem(data(extra(wave=0.4)), ALONE), 0).models.leaders()
+    one = {name: next(fit for fit in fits if fit.name == name) for name in ("wave", *left)}
+    found = Posterior(tuple(one.values()), {"wave": chance, **left}, {"wave": chance})
+    assert found.sure == sure
+    assert [fit.name for fit in found.smallest_set()] == [*one][:members]
 
 
 @pytest.mark.nightly

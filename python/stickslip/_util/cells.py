@@ -102,7 +102,8 @@ class CsvTable:
 
     Commas, semicolons or tabs separate cells; a first line ``sep=;`` says which. The header is that
     of fifty lines which names the most of `columns`, else the last one above rows of as many
-    numbers, else the first without a #, or a comment above it. A row of units may follow.
+    numbers and below none, else the first without a #, or a comment above it. A row of units may
+    follow.
 
     Parameters
     ----------
@@ -190,6 +191,9 @@ class CsvTable:
         above = itertools.dropwhile(lambda row: any(map(_is_number, row[1])), reversed(rows))
         names = [(k, cells) for k, cells in itertools.islice(above, 2)
                  if len(cells) == width > 1]  # fmt: skip
+        # Names below as many numbers are of a logger that began anew: the first names count.
+        names = [] if any(len(cells) == width and all(map(_is_number, cells))
+                          for k, cells in rows if names and k < names[0][0]) else names  # fmt: skip
         if names and names[0][0] != rows[-1][0] and not any(map(_is_number, names[0][1])):
             units = len(names) > 1 and any(map(is_unit, self._bare_units(names[0][1])))
             return self._from(near, names[units][0], lines)
