@@ -100,7 +100,7 @@ HEADERS = {
     "Zwick": ("Prüfzeit;Standardweg;Standardkraft\ns;mm;N", (T, 1e3 * Y, U), "spring", ""),
     "Keyence": ("Date,Time,Elapsed (ms),OUT1 (mm)",
                 (clock("%Y/%m/%d", 0.02), clock("%H:%M:%S", 0.02), 1e3 * T, 1e3 * Y), "spring",
-                "write more digits"),
+                "more digits"),
 }  # fmt: skip
 
 # Of programs whose headings state none.

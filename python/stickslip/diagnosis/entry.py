@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -84,7 +84,7 @@ def diagnose_model(
     """
     check_whole("seed", seed)
     with one_blas_thread():
-        terms = partial(stated_terms, predict, uncertain, causes)
+        terms = stated_terms(predict, uncertain, causes, data)
         problem, fault = prepared(predict, data, terms, int(seed))
         problem = problem if fault else with_scatter(problem, int(seed))
         notes = [*overflows(problem), *without_effect(problem)]
@@ -104,14 +104,13 @@ def stated_terms(
 
 
 def prepared(
-    predict: Predict, data: Table | Sequence[Table], terms: Callable[[Any], Terms], seed: int
+    predict: Predict, data: Table | Sequence[Table], terms: Terms, seed: int
 ) -> tuple[Problem, Note | None]:
     """The problem of what can be computed of data, and what is wrong with them, if anything is."""
-    stated = terms(data)
-    problem = posed(data, predict, *stated)
+    problem = posed(data, predict, *terms)
     tables = computed_tables(problem, seed)
     if tables != problem.tables:
-        problem = posed(tables, predict, *stated)
+        problem = posed(tables, predict, *terms)
     lost = (note for table in problem.tables for note in table.own_notes)
     fault = next((note for note in lost if note.code == LOST_SENSOR), None)
     return problem, fault

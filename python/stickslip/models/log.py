@@ -423,7 +423,7 @@ def _check_clock(table: SourceTable, t: Array) -> None:
     for k in np.flatnonzero(~(steps > 0.0) | (steps > JUMP * abs(usual)))[:1].tolist():
         at = f"{table.path}: {table.word} {table.lines[k + 1]}, column t = {t[k + 1]:.12g} s"
         if not steps[k] > 0.0:
-            same = "two rows have one time: leave one out, or write more digits"
+            same = "two rows have one time: leave one out, or give times more digits"
             remedy = same if steps[k] == 0.0 else f"sort the rows, or {_CUT}"
             raise ScenarioError(f"{at}: allowed is a time after {t[k]:.12g} s: {remedy}")
         raise ScenarioError(

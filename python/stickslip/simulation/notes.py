@@ -54,18 +54,12 @@ FAR_FROM_A_PRIOR = 2.5
 
 def scenario_notes(scenario: Scenario) -> list[Note]:
     """Notes on values of a scenario that are probably mistakes; none for most scenarios."""
-    core = scenario.to_core()
-    return with_those_of_files(scenario, core, _core.scenario_notes(core))
-
-
-def with_those_of_files(
-    scenario: Scenario, core: _core.Scenario, rows: Iterable[tuple[str, str, float | None]]
-) -> list[Note]:
-    """Notes of the core, and of what it does not know: how values and files were given."""
+    rows = _core.scenario_notes(scenario.to_core())
     return [*(Note(*row) for row in rows), *_of_files(scenario)]
 
 
 def _of_files(scenario: Scenario) -> Iterator[Note]:
+    """Notes on what the core does not know: how values and files were given."""
     for key, value in scenario.hidden.items():
         text = f"{key} = {shown(value)} has no effect: all five coils have their own values"
         yield Note("hidden-key", f"{text}, such as those of [coil.xp]", float(value))
@@ -90,9 +84,8 @@ def run_notes(
     scenario: Scenario, status: str, summary: Mapping[str, Any], condition_met: bool
 ) -> list[Note]:
     """Notes of a run, the most serious first; none for most runs."""
-    core = scenario.to_core()
-    rows = _core.run_notes(core, summary, status == "ok", condition_met)
-    notes = with_those_of_files(scenario, core, rows)
+    rows = _core.run_notes(scenario.to_core(), summary, status == "ok", condition_met)
+    notes = (*(Note(*row) for row in rows), *_of_files(scenario))
     return by_seriousness([*notes, *_of_fluid(scenario, summary), *_of_priors(scenario)])
 
 
