@@ -23,6 +23,7 @@ _RECORD, _SINGLE, _SPANS, _WILD = 20, 3, 3.0, 1e6
 """Fewest readings of a record, most that are left out of it, and how many spans of all others they
 lie beyond these: single ones, and neighbours of one value. Chosen: no motion does the first for one
 reading, nor the second at all; what meters write for none does."""
+
 FEW = 0.05
 """Part of the rows that may be left out. Chosen: where more are far it is the fit that is wrong, or
 the sensor."""
