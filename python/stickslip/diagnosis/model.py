@@ -85,7 +85,7 @@ def posed(
     rivals : Rivals, optional
         What else can be measured.
     """
-    problem = _bare_problem(tables, predict, constants, causes, low_fidelity)
+    problem = bare_problem(tables, predict, constants, causes, low_fidelity)
     words, rivals = words or problem.words, rivals or problem.rivals
     problem = replace(problem, laws=laws, words=words, rivals=rivals)
     if getattr(predict, "jumps", False):
@@ -101,7 +101,7 @@ def posed(
     return _with_short(with_measured_fineness(problem))
 
 
-def _bare_problem(
+def bare_problem(
     tables: Table | Sequence[Table], predict: Predict, constants: Sequence[Parameter],
     causes: Sequence[Cause], low_fidelity: Predict | None = None,
 ) -> Problem:  # fmt: skip
