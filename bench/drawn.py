@@ -2,7 +2,7 @@
 
 A table is a list of columns, each with its name, its unit and its numbers in SI. Laboratories and
 programs change how it is written: other names and units, a preamble, a row of units, commas for
-points, an index, one more column, gaps, marks and sums below. Other logs are written line by line
+points, an index, one more column, gaps and sums below. Other logs are written line by line
 as oscilloscopes, spreadsheets and controllers do. None of this shares code with a reader.
 ``python -m bench drawn --first 0 --count 4000`` counts what the readers make of them.
 """
@@ -13,7 +13,7 @@ import argparse
 import math
 import tempfile
 from collections import Counter
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from datetime import datetime, timedelta
 from pathlib import Path
 from typing import NamedTuple
@@ -29,11 +29,11 @@ from stickslip.walker.read_velocity import read_velocity, velocities
 
 Random = np.random.Generator
 Numbers = np.ndarray
-OUTCOMES = "right", "noted", "unstated", "refused", "WRONG"
+OUTCOMES = "right", "noted", "refused", "WRONG"
 SCENARIO = Scenario().replace({"drive.base": 0.5e-3, "drive.frequency": 30.0, "drive.pulses": 12})
 JOINT = models.joint(inertia=0.1, viscous=0.2)
 CLOSE = 5e-3  # of the range of a column; an encoder writes no more digits
-QUIET = {"converted", "columns-not-used", "no-unit", "frames-after-drive"}
+QUIET = {"converted", "columns-not-used", "frames-after-drive"}
 """Codes of notes that leave nothing out."""
 
 
@@ -81,21 +81,18 @@ NAMES = {
 FORMS = (
     "{} ({})", "{} [{}]", "{} / {}", "{}[{}]", "{}({})", "{}, {}", "{}_{}", "{} in {}", "{} {}",
 )  # fmt: skip
-CELLS = {
-    "gap": ("", "nan", "NaN", "-", "n/a", "ERR", "#DIV/0!", "--", "OL", "---", "NULL", "inf",
-            "1.23(4)", "<0.1"),
-    "mark": ("-9999", "-999.99", "1e+38", "9.90000E+37"),
-}  # fmt: skip
+GAPS = ("", "nan", "NaN", "-", "n/a", "ERR", "#DIV/0!", "--", "OL", "---", "NULL", "inf",
+        "1.23(4)", "<0.1")  # fmt: skip
 """What loggers and people write where there is no reading."""
 MORE = (
     ("temperature", "degC", 21.0, 0.1), ("battery", "V", 3.7, 0.01), ("quality", "", 0.9, 0.01),
     ("humidity", "%", 41.0, 0.5), ("comment", "", None, 0.0), ("operator", "", None, 0.0),
 )  # fmt: skip
 """Columns that no reader needs: name, unit, mean and spread."""
-HOW = ("plain", "no units", "unstated", "wrong unit", "other name", "decimal commas",
+HOW = ("plain", "no units", "wrong unit", "other name", "decimal commas",
        "row of units", "preamble", "comments", "three rows of heads", "index", "empty columns",
        "head again", "sums below", "thousands", "cut off", "separator line", "savetxt",
-       "one more column", "gap", "mark", "unit in a cell", "twice", "shuffled")  # fmt: skip
+       "one more column", "gap", "unit in a cell", "twice", "shuffled")  # fmt: skip
 
 
 def draw_columns(random: Random, how: str, si: dict[str, str], true: Numbers) -> list[Written]:
@@ -124,11 +121,9 @@ def spoil(random: Random, how: str, columns: list[Written]) -> list[Written]:
     elif how == "other name":
         k = int(random.choice([i for i, each in enumerate(columns) if each.name in NAMES]))
         columns[k] = columns[k]._replace(name=str(random.choice(NAMES[columns[k].name])))
-    elif how in CELLS:
-        most = 50.0 * max(abs(float(cell)) for cell in cells)  # of what may as well be a reading
-        some = [each for each in CELLS[how] if not _is_number(each) or abs(float(each)) > most]
+    elif how == "gap":
         for at in random.integers(len(cells), size=int(random.integers(1, 3))).tolist():
-            cells[at] = str(random.choice(some))
+            cells[at] = str(random.choice(GAPS))
     elif how == "unit in a cell":
         columns[k] = columns[k]._replace(cells=[f"{cell} {unit or 'mm'}" for cell in cells])
     elif how == "twice":
@@ -197,18 +192,15 @@ def _is_number(cell: str) -> bool:
 
 
 # ----------------------------------------------------------------------------- readers and truths
-def judge(found: Numbers, true: Numbers, rows: Numbers, notes: Sequence[Note], fewest: int,
-          unstated: Collection[int] = ()) -> str:  # fmt: skip
+def judge(found: Numbers, true: Numbers, rows: Numbers, notes: Sequence[Note], fewest: int) -> str:
     """Compare columns that were read, (n, k), with those `rows` of the truth, (m, k).
 
-    Fewer rows than `fewest` need a note. The reader says of `unstated` columns that they have no
-    unit, so that a diagnosis asks.
+    Fewer rows than `fewest` need a note.
     """
     size = np.ptp(true, axis=0)
     size[size == 0.0] = np.max(np.abs(true), axis=0)[size == 0.0]
-    wrong = np.flatnonzero(~np.all(np.abs(found - true[rows]) <= CLOSE * size, axis=0)).tolist()
-    if wrong or len({*rows.tolist()}) < len(found):
-        return "unstated" if wrong and {*wrong} <= {*unstated} else "WRONG"
+    if not np.all(np.abs(found - true[rows]) <= CLOSE * size) or len({*rows.tolist()}) < len(found):
+        return "WRONG"
     noted = {note.code for note in notes} - QUIET
     return "noted" if noted else "right" if len(found) >= fewest else "WRONG"
 
@@ -285,12 +277,9 @@ def of_logs(random: Random, how: str, path: Path) -> str:
         columns.append(Written("error", "", [f"{x:.4g}" for x in 0.3 + random.random(len(true))]))
     elif how == "actual":
         columns.append(Written("speed actual", "rad/s", [f"{x + 1:.6g}" for x in true[:, 2]]))
-    elif how == "wrap":  # of a clock of 32 bits
-        counts_of_us = (1e6 * true[:, 0] + 2**32 - 3e5).round() % 2**32
-        columns[0] = Written("time", "us", [f"{x:.0f}" for x in counts_of_us])
     columns = [columns[k] for k in random.permutation(len(columns))]
     write(random, how, spoil(random, how, columns), path)
-    return _judge_log(path, true)
+    return _judge_log(path, true, None if how == "unstated" else "si")
 
 
 def _draw_log(random: Random) -> Numbers:
@@ -302,13 +291,12 @@ def _draw_log(random: Random) -> Numbers:
     return np.column_stack([t, torque, speed])
 
 
-def _judge_log(path: Path, true: Numbers) -> str:
+def _judge_log(path: Path, true: Numbers, units: str | None = None) -> str:
     """Read a log; its clock may begin at any time."""
-    log = models.read_log(path, JOINT)
+    log = models.read_log(path, JOINT, units)
     t = log.t - log.t[0] + true[log.rows[0], 0]
     found = np.column_stack([t, log.inputs.get("torque", math.nan * log.y), log.y])
-    unstated = [k for k, name in enumerate(("t", "torque", "")) if name in log.unstated]
-    return judge(found, true, log.rows, log.own_notes, len(true), unstated)
+    return judge(found, true, log.rows, log.own_notes, len(true))
 
 
 # --------------------------------------------------------------------- logs as instruments write
@@ -321,7 +309,7 @@ def instruments(random: Random) -> dict[str, tuple[str, Row]]:
     day = datetime(2026, int(random.integers(1, 13)), int(random.integers(1, 28)), 10)
     evening = datetime(2026, 3, 3, 23, 59, 59, int(random.integers(750_000, 10**6)))
     counter, epoch = int(random.integers(2**31, 2**32)), 1_790_000_000 + int(random.integers(10**6))
-    size = 1000 ** int(random.integers(4))
+    size, unit = list({1: "s", 10**3: "ms", 10**6: "us", 10**9: "ns"}.items())[random.integers(4)]
 
     def counted(t: float, first: int = 0) -> str:
         return f"{first + t:.6f}" if size == 1 else f"{first * size + round(t * size)}"
@@ -340,9 +328,9 @@ def instruments(random: Random) -> dict[str, tuple[str, Row]]:
         "logger": (
             f"# Logger {number}\n# Interval: as set\n\ndatetime,speed (deg/s),torque (Ncm)",
             lambda t, m, w: f"{stamp(day, t)},{w * DEGREE:.7g},{m * 100:.6g}"),
-        "controller": (  # a clock of 32 bits, and a set point
+        "controller": (  # with a set point
             "time_us\ttorque_Nm\tspeed_rpm\tsetpoint_rpm",
-            lambda t, m, w: f"{(counter + round(1e6 * t)) % 2**32}\t{m:.6f}\t{w * RPM:.6f}"
+            lambda t, m, w: f"{counter + round(1e6 * t)}\t{m:.6f}\t{w * RPM:.6f}"
                             f"\t{w * RPM + 9:.3f}"),
         "plc": (  # past midnight; the reading at 0.1 s is not valid
             "Clock;Speed [1/min];Torque [Nm];ok",
@@ -353,13 +341,13 @@ def instruments(random: Random) -> dict[str, tuple[str, Row]]:
         "arduino": (  # seconds, millis(), micros() or ns without a word on it
             "time,torque,speed", lambda t, m, w: f"{counted(t)},{m:.3f},{w:.5f}"),
         "unix": (
-            "timestamp,torque (N m),speed (rad/s),error",
+            f"timestamp ({unit}),torque (N m),speed (rad/s),error",
             lambda t, m, w: f"{counted(t, epoch)},{m:.4f},{w:.6f},{0.3 - w:.4f}"),
         "days": (
-            "Date,Torque (Nm),Speed (rad/s)",
+            "Date (d),Torque (Nm),Speed (rad/s)",
             lambda t, m, w: f"{46143.4 + t / 86400:.12f},{m:.4f},{w:.6f}"),
         "stopwatch": (
-            "time,torque (N m),speed (rad/s)",
+            "time (mm:ss),torque (N m),speed (rad/s)",
             lambda t, m, w: f"{int(60 + t) // 60:02}:{(60 + t) % 60:07.4f},{m:.4f},{w:.6f}"),
     }  # fmt: skip
 
@@ -375,7 +363,7 @@ def of_instruments(random: Random, how: str, path: Path) -> str:
 # ----------------------------------------------------------------------------------------- counts
 TABLES: dict[str, tuple[Callable[[Random, str, Path], str], Sequence[str]]] = {
     "velocities": (of_velocities, HOW), "film": (of_films, HOW), "map": (of_maps, HOW),
-    "log": (of_logs, (*HOW, "error", "actual", "wrap")),
+    "log": (of_logs, (*HOW, "unstated", "error", "actual")),
     "instrument": (of_instruments, tuple(instruments(np.random.default_rng(0)))),
 }  # fmt: skip
 
@@ -390,9 +378,7 @@ def outcome(seed: int, folder: Path) -> tuple[str, str]:
         what = read(random, how, folder / "table.csv")
     except ScenarioError:
         what = "refused"
-    # Readers of tables cannot tell a column without a unit from one in SI; that of logs names it.
-    bare = what == "WRONG" and how == "unstated" and table != "log"
-    return f"{table}, {how}", "unstated" if bare else what
+    return f"{table}, {how}", what
 
 
 def counts(seeds: range) -> Counter[tuple[str, str]]:

@@ -14,7 +14,6 @@ from stickslip import FieldMap, Measurement, Scenario, ScenarioError, Waveform
 from stickslip._util.columns import read_table, sound_numbers
 from stickslip._util.recipes import Recipe
 from stickslip._util.units import per_si, to_si
-from stickslip.diagnosis.data.outliers import marks_of_none
 from stickslip.scenario.keys import COIL_NAMES
 from stickslip.walker.read_velocity import read_velocity
 from stickslip.walker.read_velocity import velocities as of_velocities
@@ -33,7 +32,7 @@ def velocities(path):
 
 def numbers_of(columns):
     def read(path):
-        recipe = Recipe.of(columns, columns, gaps=marks_of_none)
+        recipe = Recipe.of(columns, columns)
         table, left_out = sound_numbers(path, recipe)
         return {name: column.tolist() for name, column in table.items()}, left_out
 
@@ -250,7 +249,7 @@ def test_a_column_in_another_unit_is_converted(tmp_path, kind):
         assert numbers_in(below) == numbers_in(found)
     for parted in (" / ", "/") if len(name) < 3 else (" / ",):
         assert numbers_in(read(with_column(name + parted + allowed, n))[0]) == numbers_in(found)
-    with pytest.raises(ScenarioError, match="the unit is not known; allowed are") as error:
+    with pytest.raises(ScenarioError, match="is no unit of it; allowed are") as error:
         read(with_column(wrong, 1.0))
     assert allowed in str(error.value).split("allowed are ")[1].split(", ")
     with pytest.raises(ScenarioError, match=f'"?{name}"?:? is there twice'):

@@ -13,7 +13,7 @@ RPM, DEG = 30.0 / np.pi, 180.0 / np.pi
 MODELS = {
     "joint": models.joint(inertia=0.1),
     "angle": models.joint(inertia=0.1, reads="angle"),
-    "heater": models.thermal(capacity=400.0, loss=1.5),
+    "heater": models.thermal(capacity=400.0, loss=1.5, ambient=20.0),
     "servo": models.servo(inertia=0.02, torque_constant=1.0, resistance=3.0, supply=12.0, gain=3.0),
     "spring": models.oscillator(mass=1.0, stiffness=40.0),
 }
@@ -100,8 +100,12 @@ HEADERS = {
     "Zwick": ("Prüfzeit;Standardweg;Standardkraft\ns;mm;N", (T, 1e3 * Y, U), "spring", ""),
     "Keyence": ("Date,Time,Elapsed (ms),OUT1 (mm)",
                 (clock("%Y/%m/%d", 0.02), clock("%H:%M:%S", 0.02), 1e3 * T, 1e3 * Y), "spring",
-                "write more digits"),
+                "more digits"),
 }  # fmt: skip
+
+# Of programs whose headings state none.
+UNITS = {"pandas": "si", "InfluxDB": "si", "Grafana": "si",
+         "rostopic": {"%time": "ns", "speed": "rad/s", "torque": "N m"}}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", HEADERS)
@@ -116,10 +120,10 @@ def test_a_file_opens_or_its_refusal_says_what_to_do(name, tmp_path):
     (tmp_path / "a.csv").write_text("\n".join([head, *rows]) + "\n", encoding="utf-8")
     if said:
         with pytest.raises(ScenarioError) as error:
-            models.read_log(tmp_path / "a.csv", MODELS[kind])
+            models.read_log(tmp_path / "a.csv", MODELS[kind], UNITS.get(name))
         assert said in str(error.value)
         return
-    log = models.read_log(tmp_path / "a.csv", MODELS[kind])
+    log = models.read_log(tmp_path / "a.csv", MODELS[kind], UNITS.get(name))
     assert log.t == pytest.approx((500.0 if kind == "heater" else 1.0) * T, abs=1e-6)
     assert log.y == pytest.approx(Y, abs=1e-9)
     assert next(iter(log.inputs.values())) == pytest.approx(U, abs=1e-9)

@@ -20,9 +20,8 @@ FIVE = {f"coil.{name}.turns": 510.0 for name in COIL_NAMES}
 
 # One key of each is nonsense with the others at their defaults: the note's code, and its value.
 NONSENSE = [
-    ({"robot.mass": 25.6e-6}, "unit-mass", 25.6e-6),
+    ({"robot.mass": 25.6e-6}, "density", 25.6e-6 / VOLUME),
     ({"robot.mass": 25.6e-12}, "density", 25.6e-12 / VOLUME),
-    ({"robot.length": 25e-3}, "unit-length", 25e-3),
     ({"robot.height": 1e-6}, "density", 100.0 * 25.6e-9 / VOLUME),
     ({"robot.magnetization": 2.1e6}, "moment", 2.1e6),
     ({"effects.surface_tilt.angle": -1.5}, "steep-surface", 1.5),
@@ -59,7 +58,6 @@ def test_the_core_has_its_notes_in_the_order_of_all():
 # Which kinds of drive have a note with these changes, as far as a kind has their keys.
 OF_KINDS = [
     ("pulses-short", {"drive.frequency": 400.0}, {"sawtooth"}),
-    ("unit-time", {"drive.frequency": 0.05, "drive.pulses": 4}, {"sawtooth"}),
     ("no-pulses", {"drive.base": 2.5e-3}, {"sawtooth"}),
     ("capacitor", {"coil.capacitance": 1e-3}, {"sawtooth"}),
     ("start-up", {"drive.pulses": 3}, {"sawtooth", "none"}),

@@ -109,6 +109,6 @@ def test_a_slip_is_left_out_and_a_turn_too_many_as_well():
     assert [each.code for each in both.left_out] == ["angle-beyond-turn"]
 
 
-def test_other_units_are_refused():
-    with pytest.raises(ScenarioError, match=r"angle.*: theta of .* degrees.* pi/180"):
+def test_angles_beyond_half_a_turn_are_refused():
+    with pytest.raises(ScenarioError, match=r"angle.*: theta of .* rad; .*or state the unit"):
         table(np.degrees(TRUE))

@@ -38,6 +38,7 @@ TRUE = models.joint(inertia=0.0123, viscous=(0.05, 0.01), coulomb=(0.0, 0.1), lo
 ROOM = models.thermal(
     capacity=(400.0, 20.0),
     loss=(1.5, 0.08),
+    ambient=0.0,
     without=["heater_capacity", "slow thermometer", "late power"],
 )
 
@@ -52,7 +53,7 @@ def log(seed, torque=TORQUE, more=0.0, **values):
 def room(seed, more=0.0, **values):
     t = 5.0 * np.arange(120)
     power = np.repeat(np.random.default_rng(3).uniform(0.0, 60.0, 8), 15)
-    model = models.thermal(capacity=400.0, loss=(1.5, 0.1), loss_growth=(0.0, 0.1))
+    model = models.thermal(capacity=400.0, loss=(1.5, 0.1), ambient=0.0, loss_growth=(0.0, 0.1))
     seen = model.simulate(t, {"power": power}, **values) + more
     noise = 0.05 * np.random.default_rng(seed).normal(size=len(t))
     return Series(t, seen + noise, {"power": power}, sd=0.05, unit="K")

@@ -84,36 +84,6 @@ def test_what_a_set_up_shares_makes_conditions_no_less_different():
     assert code(table) is None
 
 
-@pytest.mark.parametrize(
-    ("factor", "said"),
-    [
-        # Rows faster than 1 m/s would be left out, so a thousand is not quite reached.
-        (500.0, "a unit that is wrong by 1000"),
-        (1e-3, "a unit that is wrong by 1000"),
-        (60.0, "a unit that is wrong by 100"),
-        (2e-5, "times what the stated model gives"),
-    ],
-)
-def test_another_unit_is_recognised_by_its_size(sound, factor, said):
-    found = problem(velocities(sound.assign(velocity=factor * sound.velocity)))
-    assert found.code == "velocities-size"
-    assert found.value == pytest.approx(factor, rel=0.1)
-    assert said in found.text
-    assert (factor == 2e-5) == ("unit" not in found.text)
-
-
-def test_one_velocity_of_another_size_is_named(sound):
-    table = velocities(sound)
-    table.mean[5] *= 200.0
-    found = problem(table)
-    assert found.code == "velocity-size"
-    assert "direction +x, frequency 40 Hz" in found.text
-    assert "mode OPP" in found.text
-    # A slow one is none: the robot may stand still.
-    table.mean[5] /= 200.0 * 200.0
-    assert problem(table) is None
-
-
 SIGNS = {
     None: lambda each: 1.0,
     "opposite-sign": lambda each: -1.0,

@@ -135,30 +135,3 @@ def test_a_probe_on_a_wire_and_a_slip_are_left_out():
     assert sorted(np.bincount(found.condition))[:7] == [1] * 6 + [2]
     with pytest.raises(ScenarioError, match="every probe lies on the wire"):
         table([ON_WIRE] * 3)
-
-
-@pytest.mark.parametrize(
-    ("columns", "factor", "said"),
-    [
-        (("xp",), 1e3, "2000 A in column xp .*wrong by 1000$"),
-        (("ym", "clamp"), 1e3, "2000 A in column .*wrong by 1000$"),
-        (COIL_NAMES, 1e-3, "0.002 A in column .*wrong by 1000$"),
-    ],
-)
-def test_columns_in_another_unit_are_refused_with_the_reason(columns, factor, said):
-    rows = probed(in_plane=-0.2, clamp=0.3, ambient=(5e-5, 0.0))
-    rows[:, [COLUMNS.index(name) for name in columns]] *= factor
-    with pytest.raises(ScenarioError, match=said):
-        table(rows)
-
-
-def test_odd_coils_are_not_taken_for_a_wrong_unit():
-    # Reversed and half as strong, not connected, and beside a field as strong as theirs.
-    odd = ({"in_plane": -2.0, "clamp": -0.5}, {"clamp": -1.0}, {"ambient": (2e-3, 1e-3)})
-    for coils in odd:
-        assert len(table(probed(**coils)).currents) == len(ROWS)
-    # 0.1 mm from the centre opposed coils leave 0.4 % of each field.
-    currents = np.outer(np.linspace(-2.0, 2.0, 9), [1.0, -1.0, 0.0, 0.0, 0.0])
-    place = np.tile([1e-4, 0.0, 0.0], (9, 1))
-    rows = np.hstack([currents, place, Coils().field(place, currents)])
-    assert len(table(rows).currents) == 9

@@ -26,7 +26,7 @@ LEAST = {
     "axis": {"mass": 2.0},
     "pendulum": {"length": 0.5},
     "oscillator": {"mass": 1.0, "stiffness": 40.0},
-    "thermal": {"capacity": 200.0, "loss": 2.0},
+    "thermal": {"capacity": 200.0, "loss": 2.0, "ambient": 0.0},
     "servo": {"inertia": 0.02, "torque_constant": 1.0, "resistance": 3.0, "supply": 12.0,
               "gain": 3.0, "gravity": 0.5},
 }  # fmt: skip
@@ -545,7 +545,7 @@ def test_a_model_computes_wherever_it_is_allowed_to(name, step):
     """Half of all effects at a time, of any size that is searched, and any start."""
     t, u = step * np.arange(80), np.abs(staircase(5, 1.0, 8, 80)) - 0.5 * (name != "thermal")
     stated = {"joint": {"inertia": 1.0}, "axis": {"mass": 1.0},
-              "thermal": {"capacity": 1.0, "loss": 0.1 / step},
+              "thermal": {"capacity": 1.0, "loss": 0.1 / step, "ambient": 0.0},
               "servo": {"inertia": 1.0, "torque_constant": 1.0, "resistance": step, "supply": 1.0,
                         "gain": 1.0 / step}}  # fmt: skip
     model = getattr(models, name)(**stated[name])
@@ -584,8 +584,9 @@ def test_uneven_clocks_have_exact_steps():
     ("name", "true", "model", "inputs", "step", "noise"),
     [
         ("wall_capacity",
-         models.thermal(capacity=200.0, loss=2.0, wall_capacity=300.0, wall_coupling=4.0),
-         models.thermal(capacity=(200.0, 10.0), loss=(2.0, 0.2)),
+         models.thermal(capacity=200.0, loss=2.0, ambient=0.0, wall_capacity=300.0,
+                        wall_coupling=4.0),
+         models.thermal(capacity=(200.0, 10.0), loss=(2.0, 0.2), ambient=0.0),
          {"power": np.abs(staircase(2, 90.0, count=100))}, 2.0, 0.1),
         ("backlash",
          models.joint(inertia=0.1, viscous=0.2, backlash=0.1, reads="angle"),
@@ -672,7 +673,7 @@ def test_a_model_takes_more_causes_and_less_and_is_kept_with_its_diagnosis():
 
 @pytest.mark.parametrize("smooth", [False, True])
 def test_a_lag_of_readings_is_told_with_the_step_by_which_a_held_input_may_switch_earlier(smooth):
-    heater = models.thermal(capacity=(50.0, 0.5), loss=0.2, smooth=smooth)
+    heater = models.thermal(capacity=(50.0, 0.5), loss=0.2, ambient=0.0, smooth=smooth)
     power = np.where(np.arange(40) < 20, 20.0, 0.0)
     log = Series(5.0 * np.arange(40), np.linspace(0.0, 30.0, 40), {"power": power}, sd=0.02)
     slow = next(cause for cause in heater.terms(log)[1] if cause.name == "slow thermometer")

@@ -1,7 +1,5 @@
 """Models in time: records, their errors, start states, and causes that act on an input."""
 
-import re
-
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -217,25 +215,6 @@ def test_single_readings_beyond_what_all_others_span_are_left_out(wild, left_out
     assert [note.code for note in record.own_notes] == left_out * len(wild) * ["wild-reading"]
 
 
-@pytest.mark.parametrize("mark", [-9999.0, 999.0, 99.9, 65535.0, -32768.0, -32767.0, 1e20, 1e38])
-def test_what_meters_write_for_no_value_is_a_gap_and_no_input(mark):
-    t, rows = np.arange(60.0), [3, 4, 5, 30, 59]
-    wave = np.sin(0.3 * t)
-    lost = np.where(np.isin(t, rows), mark, wave)
-    record = Series(t, lost, {"u": t})
-    table = Table({"x": t}, lost, sd=1.0)
-    of_settings = Table({"x": lost}, t, sd=1.0)
-    for one in (record, table, of_settings):
-        assert set(range(60)) - set(one.rows.tolist()) == set(rows)
-        assert [note.code for note in one.own_notes] == ["marks-of-none", "gaps"]
-    with pytest.raises(ScenarioError, match=re.escape(f"inputs u: row 3 = {mark}: allowed is")):
-        Series(t, wave, {"u": lost})
-    # A value among the others, one that the others do not tell, and decades are no marks.
-    decades = np.where(t < 50.0, 10.0 ** (t % 3.0), 999.0)
-    for sound in (100.0 * mark * t, np.where(t > 30.0, mark, 0.0), decades):
-        assert len(Series(t, wave, {"u": sound})) == len(Table({"x": sound}, t, sd=1.0)) == 60
-
-
 def test_a_row_less_makes_no_other_reading_a_wild_one():
     t = np.arange(60.0)
     y = np.sin(0.3 * t)
@@ -245,11 +224,6 @@ def test_a_row_less_makes_no_other_reading_a_wild_one():
     assert left.rows.tolist() == left.kept.tolist() == np.flatnonzero(~gone).tolist()
     assert np.array_equal(left.t, t[~gone])
     assert len(left.errors.sd) == left.named_settings.count == 59
-
-
-def test_times_in_a_smaller_unit_than_seconds_are_refused():
-    with pytest.raises(ScenarioError, match=r"t = 17.*: allowed is s; ms, us or ns since 1970 may"):
-        Series(1.7e12 + 10.0 * np.arange(9.0), np.arange(9.0))
 
 
 def test_a_gap_in_a_record_leaves_the_other_rows_of_its_repeats():

@@ -84,7 +84,6 @@ TABLES = [
     ("frequency\n30\n", '"velocity" is missing'),
     ("velocity,frequenzy\n0.1,30\n", 'did you mean "frequency"'),
     ("velocity\n", "no row of data"),
-    ("frequency,velocity\n0.03,1e-3\n", ["frequency of 0.03 Hz", "(kHz)"]),
     ("velocity,velocity\n1,1\n", "twice"),
     ("velocity,order\n1e-3,23:50\n1e-3,00:10\n", "in column order are more than 12 h apart"),
     *(
@@ -104,24 +103,11 @@ TABLES = [
         )
     ),
     ("velocity,frequency\nnan,30\nfast,30\n", "no row is sound"),
-    (
-        "velocity,frequency\n910,10\n920,20\n930,30\n",
-        'state its unit, as "velocity (mm/s)" or "velocity (um/s)"',
-    ),
 ]
-STATIC = [
-    ("angle", "Bx,Bz,theta\n1e-3,0,0\n2,0,0\n", "line 3: Bx of 2 T is above 1 T"),
-    ("field", "xp,xm,yp,ym,clamp,x,y,z,Bx,By,Bz\n" + 8 * "1.5," + "0,0,9.99\n",
-     ["velocity.csv: line 2: x of 1.5 m", 'state its unit, as "x (mm)"']),
-    ("field", "xp,xm,yp,ym,clamp,x,y,z,Bx,By,Bz\n" + 8 * "0," + "0,0,9.99\n",
-     ["velocity.csv: line 2: Bz of 9.99 T", "cell of a saturated reading empty"]),
-]  # fmt: skip
 NORMAL = Prior("normal", 1e-5, 1e-6)
 GIVEN = [
     ("no velocity", {"table": TABLE.rename(columns={"velocity": "v"})},
      'column "velocity" is missing; there are'),
-    ("wrong unit", {"table": pd.concat([TABLE] * 3, ignore_index=True).assign(peak=0.5)},
-     "rows 0, 1, 2, 3, 4, ...: peak of 0.5 T is above 0.1 T: state"),
     ("twice", {"table": pd.concat([TABLE, TABLE[["mode"]]], axis=1)},
      'column "mode" is there twice'),
     ("list", {"table": [1.0]}, "allowed is a DataFrame"),
@@ -143,9 +129,6 @@ TRACKS = [
     (T + np.nan, T, "no frame has both"),
     (T[:12], 1e-3 * T[:12], ["t = 0 to 0.11: 0 frames are in ", "0.15 to 1.05 s"]),
     (T[::15], 1e-3 * T[::15], ["5 frames are in ", "8 frames or more"]),
-    (1e3 * T, T, "t may be in ms or the number of the frame"),
-    (T, T, ["x spans 0.88", "may be mm"]),
-    (0.15 + 0.4 * T[:10], 0.8 * T[:10], ["2 m/s: allowed is 1 m/s", "in um, mm or pixels"]),
 ]
 REFUSALS = [
     *((f"file: {new or old}", partial(read, old=old, new=new), ScenarioError, words)
@@ -153,8 +136,6 @@ REFUSALS = [
     *((f"film: {new}", partial(read, old=old, new=new, toml=FILMED), ScenarioError, words)
       for old, new, words in FILMS),
     *((f"table: {rows}", partial(read, rows=rows), ScenarioError, words) for rows, words in TABLES),
-    *((f"[[{kind}]]: {rows}", partial(read, old="[[velocity]]", new=f"[[{kind}]]", rows=rows),
-       ScenarioError, words) for kind, rows, words in STATIC),
     *((f"in memory: {name}", lambda _, given=given: in_memory(**given), ScenarioError, words)
       for name, given, words in GIVEN),
     *((f"Prior{given}", lambda _, given=given: Prior(*given), ScenarioError, ": allowed is")

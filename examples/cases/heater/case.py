@@ -4,7 +4,7 @@ from pathlib import Path
 
 from stickslip import Diagnosis, diagnose_model, models
 
-model = models.thermal(capacity=(200.0, 10.0), loss=(2.0, 0.2))
+model = models.thermal(capacity=(200.0, 10.0), loss=(2.0, 0.2), ambient=0.0)
 
 
 def diagnosed() -> Diagnosis:

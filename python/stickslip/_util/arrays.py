@@ -43,11 +43,6 @@ _ROUNDED, _LAST_PLACES = 1e-13, 4
 Chosen: what sums and products leave."""
 
 
-def are_equal(one: float, other: float, relative: float, absolute: float = 1e-12) -> bool:
-    """Whether two numbers are nearly the same."""
-    return math.isclose(one, other, rel_tol=relative, abs_tol=absolute)
-
-
 def representatives(values: Iterable[float], kept: Collection[float] = ()) -> dict[float, float]:
     """A representative of each value of a column: one number for all that are the same setting.
 

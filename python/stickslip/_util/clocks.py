@@ -1,20 +1,19 @@
-"""Times of a log: dates, clocks and counts become seconds, and counters that begin anew go on."""
+"""Times of a log: dates and clocks become seconds; and counters that begin anew go on."""
 
 from __future__ import annotations
 
 import math
 import re
 from collections.abc import Mapping, Sequence
-from typing import NoReturn
 
 import numpy as np
 
-from stickslip._util.arrays import Array, Indices
+from stickslip._util.arrays import Array
 from stickslip._util.columns import LARGEST, Column, Line
 from stickslip._util.messages import shown
 from stickslip._util.note import Note
 from stickslip._util.text import number
-from stickslip._util.units import CLOCKS, per_si, split_unit
+from stickslip._util.units import CLOCKS, split_unit
 from stickslip.errors import ScenarioError
 
 STAMP = re.compile(
@@ -26,19 +25,11 @@ STAMP = re.compile(
 JUMP = 20.0
 """Steps of a clock that has jumped. Chosen: a link loses a few readings, and a break loses many."""
 
-_DATE, _DATES = 1e8, (631152000.0, 4102444800.0)
-"""Seconds since 1970 from which on a time is a date, and the years 1990 to 2100. Chosen: no
-experiment runs for three years."""
+_LATE = 1e8
+"""Time, s, from which on times are counted from the first. Chosen: no experiment runs for three
+years, and fractions of a microsecond stay."""
 
-_DAY, _HALF, _HOUR = 86400.0, 43200.0, 3600.0  # s, after which clocks begin anew
-_COUNTED, _SLOW = 1000.0, 1e5
-"""Steps of whole numbers that may be ms, us or ns; of what may be ms since 1970. Chosen: hardly a
-log has a reading in a quarter of an hour, and one in 100 s is of a slow one."""
-_DAYS = (32874.0, 73051.0), (726834.0, 767011.0)  # 1990 to 2100 of Excel and of MATLAB
-_DIGITS = 4  # decimals of seconds; chosen: a day's parts have more
-_MANY = 100.0  # steps of a counter whose zero was taken away; chosen: else chance would fit
 _QUANTA = (1.0, 0.1, 0.01, 1e-3)  # of numbers with 16 or 32 bits, in their unit
-_SUNDAY, _NIGHT = 6, 4  # the day and the hours in which a clock is put on or back
 
 
 def seconds(cell: str) -> float:
@@ -73,183 +64,54 @@ def _nanoseconds(stamp: re.Match[str], minutes: bool) -> int | None:
 
 
 def times(column: Column, path: object, lines: Sequence[Line]) -> tuple[Array, list[Note], bool]:
-    """Times of a column, s, NaN where there is none; notes, and whether they state their unit.
+    """Times of a column, s, NaN where there is none; notes, and whether none is a number.
 
-    Dates are counted from the first. A counter of 16 or 32 bits, a clock that begins anew each day
-    and one that is put on or back in a summer's night are counted on. A ScenarioError asks for the
-    unit of numbers that may be in several.
+    Dates, and numbers as large as dates, are counted from the first.
     """
-    heading, unit = split_unit(column.what.heading)[0], column.what.unit
-    notes: list[Note] = []
+    heading, t = column.what.heading, column.values
     stamps = {k: stamp for k, cell in column.odd.items() if (stamp := STAMP.fullmatch(cell))}
-    if stamps:
-        if np.isfinite(column.values).any():
-            k = min(stamps)
-            raise ScenarioError(
-                f"{path}: column {heading} has numbers beside {shown(column.odd[k])} in line "
-                f"{lines[k]}: allowed is one of these"
-            )
-        t = _of_stamps(stamps, column, path, lines, notes)
-        return t, notes, True
-    t = column.values
-    known = np.flatnonzero(np.isfinite(t))
-    if len(known) and unit in CLOCKS:
+    known = np.flatnonzero(np.isfinite(t)).tolist()
+    if stamps and known:
+        k = min(stamps)
         raise ScenarioError(
-            f"{path}: column {column.what.heading} has the number {column.values[known[0]]:g} in "
-            f"line {lines[known[0]]}: allowed are clocks such as 12:00:01.5, or another unit"
+            f"{path}: column {split_unit(heading)[0]} has numbers beside {shown(column.odd[k])} in "
+            f"line {lines[k]}: allowed is one of these"
         )
-    if not len(known):
-        return t, notes, unit is not None
+    if stamps:
+        return (*_of_stamps(stamps, column, path), True)
+    if known and column.what.unit in CLOCKS:
+        raise ScenarioError(
+            f"{path}: column {heading} has the number {t[known[0]]:g} in line {lines[known[0]]}: "
+            "allowed are clocks such as 12:00:01.5, or another unit"
+        )
+    if not known or abs(t[known[0]]) < _LATE:
+        return t, [], not known
     first = float(t[known[0]])
-    if unit is None:
-        power = _power(t[known], column, path)
-        if power is not None:
-            told = f"{('s', 'ms', 'us', 'ns')[power]} since 1970, counted from the first"
-            notes.append(Note("dates", f"Times are {told}, {_date(first / 1e3**power)}."))
-            return (t - first) / 1e3**power, notes, True
-    elif abs(first) >= _DATE:
-        is_date = _DATES[0] <= first < _DATES[1] and unit not in ("d", "days", "day")
-        since = "s since 1970, " if is_date else ""
-        of = _date(first) if is_date else f"{first:.10g} s"
-        notes.append(Note("dates", f"Times are {since}counted from the first, {of}."))
-        t = t - first
-    return _wrapped(t, unit, lines, notes), notes, unit is not None
-
-
-def _date(since: float) -> str:
-    return str(np.datetime64(round(since * 1e3), "ms"))
-
-
-def _ask(column: Column, path: object, why: str, units: str) -> NoReturn:
-    name = column.what.heading
-    either = " or ".join(f'"{name} ({unit})"' for unit in units.split())
-    raise ScenarioError(f"{path}: column {name} has no unit, and {why}: write {either}")
-
-
-def _power(t: Array, column: Column, path: object) -> int | None:
-    """The power of a thousand that makes numbers without a unit seconds since 1970, if any does.
-
-    A ScenarioError asks where several units are as likely.
-    """
-    first, steps = float(t[0]), np.abs(np.diff(t))
-    step = float(np.median(steps)) if len(steps) else 0.0
-    whole = bool(np.all(t == np.round(t)))
-    counts = whole and step >= _COUNTED
-    power = next((p for p in range(4) if _DATES[0] <= first / 1e3**p < _DATES[1]), None)
-    if power is not None and (power > 1 or not counts or (power == 1 and step < _SLOW)):
-        return power
-    if abs(first) >= _DATE:
-        why = f"its first time, {first:.12g}, is no date from 1990 to 2100 in any one unit"
-        if power is not None:
-            why = f"{first:.12g}, with steps of {step:g}, may be a date or a count"
-        _ask(column, path, why, "s ms us ns")
-    if counts:
-        _ask(column, path, f"steps of {step:g} may be counts of a clock", "ms us ns s")
-    days = any(low <= float(np.min(t)) and float(np.max(t)) < high for low, high in _DAYS)
-    if days and not np.allclose(t, np.round(t, _DIGITS), rtol=0.0, atol=1e-9):
-        _ask(column, path, f"{first:.10g} may be a date in days, as Excel counts them", "d s")
-    return None
-
-
-def _wrapped(t: Array, unit: str | None, lines: Sequence[Line], notes: list[Note]) -> Array:
-    """Times that go on where a counter or the seconds of a day begin anew."""
-    steps = np.diff(t)
-    fallen = np.flatnonzero(steps < 0.0)
-    if not len(fallen) or not (steps > 0.0).any():
-        return t
-    usual = float(np.median(steps[steps > 0.0]))
-    ticks = {1.0, 1e3, 1e6} if unit in (None, "s") else {per_si(str(unit), "s")}
-    spans = {2.0**bits / per: f"a counter of {bits} bits" for bits in (16, 32) for per in ticks}
-    spans |= {_DAY: "a day", _HALF: "half a day"}
-    far = JUMP * usual
-    fits = []
-    for span in spans:
-        left = steps[fallen] + span
-        at_its_end = np.all((t[fallen] > span - far) & (t[fallen] < span + usual))
-        exact = span > _MANY * usual and np.all(np.abs(left - usual) < 0.1 * usual)
-        # A shorter span would fit the falls of rows in no order.
-        if span > far and np.all((left > 0.0) & (left <= far)) and (at_its_end or exact):
-            fits.append(span)
-    if not fits:
-        return t
-    span = min(fits, key=lambda each: float(np.max(np.abs(steps[fallen] + each - usual))))
-    return _put_on(t, fallen, span, lines, notes, spans[span])
-
-
-def _put_on(
-    t: Array, before: Indices, span: float, lines: Sequence[Line], notes: list[Note], of: str
-) -> Array:
-    """Times that are later by a span after each of these rows, and a note if there are any."""
-    if len(before):
-        where = ", ".join(str(lines[k + 1]) for k in before[:3].tolist())
-        where += ", ..." if len(before) > 3 else ""
-        text = f"The clock begins anew at line {where}: counted on by {span:.10g} s, {of}."
-        notes.append(Note("clock-counted-on", text, span))
-    later = np.zeros(len(t))
-    later[before + 1] = span
-    return np.asarray(t + np.cumsum(later))
+    note = Note("dates", f"Times are counted from the first, {first:.10g} s.", first)
+    return t - first, [note], False
 
 
 def _of_stamps(
-    stamps: Mapping[int, re.Match[str]],
-    column: Column,
-    path: object,
-    lines: Sequence[Line],
-    notes: list[Note],
-) -> Array:
+    stamps: Mapping[int, re.Match[str]], column: Column, path: object
+) -> tuple[Array, list[Note]]:
     """Times, s, of dates from the first, and of clocks from midnight."""
     dated = any(stamp["date"] for stamp in stamps.values())
-    minutes = not dated and _in_minutes(stamps, column, path)
-    t, first = np.full(len(column.values), math.nan), None
-    for k, stamp in stamps.items():
-        since = _nanoseconds(stamp, minutes) if bool(stamp["date"]) == dated else None
-        if since is not None:
-            first = since if first is None and dated else first
-            t[k] = (since - (first or 0)) / 1e9
-    steps = np.diff(t)
-    usual = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
-    if not dated:
-        span = _HOUR if minutes else _DAY
-        hours = [int(stamp["clock"].partition(":")[0]) for stamp in stamps.values()]
-        halves = steps[steps < 0.0] + _HALF
-        if max(hours) <= 12 and len(halves) and np.all((halves > 0.0) & (halves <= JUMP * usual)):
-            span = _HALF
-        fallen = np.flatnonzero(steps < -0.5 * span)
-        return _put_on(t, fallen, span, lines, notes, "after which the clock is where it was")
-    if first is not None:
-        notes.append(Note("dates", f"Times are counted from the first, {_date(1e-9 * first)}."))
-    for sign in (1.0, -1.0):
-        moved = steps + sign * _HOUR
-        at = np.flatnonzero((moved > 0.0) & (moved <= JUMP * usual) & (
-            (steps <= 0.0) if sign > 0.0 else (steps > JUMP * usual)))  # fmt: skip
-        put = [_may_be_put(stamps.get(k + 1), t[k + 1], first) for k in at.tolist()]
-        of = "as the clock is put for summer or winter"
-        t = _put_on(t, at[np.array(put, dtype=bool)], sign * _HOUR, lines, notes, of)
-    return t
-
-
-def _may_be_put(stamp: re.Match[str] | None, t: float, first: int | None) -> bool:
-    """Whether a date without a zone is in a night in which clocks are put on or back."""
-    if stamp is None or stamp["zone"] or stamp[0].endswith("Z") or first is None:
-        return False
-    since = first // 10**9 + int(t)
-    day, hour = (since // 86400 + 3) % 7, since % 86400 // 3600
-    return day == _SUNDAY and hour < _NIGHT
-
-
-def _in_minutes(stamps: Mapping[int, re.Match[str]], column: Column, path: object) -> bool:
-    """Whether clocks of two parts are minutes and seconds; a ScenarioError asks if both may be."""
+    unit = column.what.unit
     two = [stamp["clock"] for stamp in stamps.values() if stamp["clock"].count(":") == 1]
-    if not two or column.what.unit in CLOCKS[1:]:
-        return column.what.unit == "mm:ss"
-    apart = any(stamp["clock"].count(":") == 2 for stamp in stamps.values())
-    if apart or any("." in each or "," in each or int(each.split(":")[0]) > 23 for each in two):
-        return True
-    name = split_unit(column.what.heading)[0]
-    raise ScenarioError(
-        f"{path}: column {column.what.heading}: {shown(two[0])} may be hours or minutes: write "
-        f'"{name} (hh:mm)" or "{name} (mm:ss)"'
-    )
+    if two and not dated and unit not in CLOCKS:
+        name = split_unit(column.what.heading)[0]
+        raise ScenarioError(
+            f"{path}: column {column.what.heading}: {shown(two[0])} may be hours or minutes: write "
+            f'"{name} (hh:mm)" or "{name} (mm:ss)"'
+        )
+    since = {k: _nanoseconds(stamp, not dated and unit == "mm:ss") for k, stamp in stamps.items()
+             if bool(stamp["date"]) == dated}  # fmt: skip
+    known = {k: each for k, each in since.items() if each is not None}
+    first = next(iter(known.values()), 0) if dated else 0
+    t = np.full(len(column.values), math.nan)
+    t[list(known)] = [(each - first) / 1e9 for each in known.values()]
+    text = f"Times are counted from the first, {np.datetime64(round(1e-6 * first), 'ms')}."
+    return t, [Note("dates", text)] if dated else []
 
 
 def counted_on(

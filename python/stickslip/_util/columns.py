@@ -338,7 +338,7 @@ def _of_file(source: Source, recipe: Recipe) -> SourceTable:
             ragged |= dict.fromkeys(beyond, width)
         elif name or beyond:
             here.append(part)
-    columns = {part.what.name: part.column(recipe) for part in here}
+    columns = {part.what.name: part.column() for part in here}
     text = {
         "preamble": (file.above, "{} above the column names skipped.", "line"),
         "comments": (file.comments, "{} below the header skipped as a comment.", "line"),
@@ -389,15 +389,10 @@ class _Part:
             self.what = self.what._replace(unit="s", per=1.0)
         self.take_numbers(numbers(heading, values, gaps=True, finite=False), cells)
 
-    def column(self, recipe: Recipe) -> Column:
-        """The whole of it, in SI and without what stands for no value."""
-        values, odd = np.concatenate(self.values), self.odd
-        if self.what.si is not None and recipe.gaps is not None:
-            gone = recipe.gaps(values)
-            odd |= {k: f"{values[k]:.15g} (stands for no value)"
-                    for k in np.flatnonzero(gone).tolist()}  # fmt: skip
-            values = np.where(gone, math.nan, values)
-        return Column(self.what, to_si(values, self.what.per), self.texts, odd)
+    def column(self) -> Column:
+        """The whole of it, in SI."""
+        values = to_si(np.concatenate(self.values), self.what.per)
+        return Column(self.what, values, self.texts, self.odd)
 
 
 def _check_cells(table: SourceTable, recipe: Recipe) -> None:
@@ -451,7 +446,7 @@ def _of_arrays(source: Source, recipe: Recipe) -> SourceTable:
             raise ScenarioError(f"column {what.heading}: {len(values)} values; allowed are {count}")
         part = _Part(what)
         part.take_array(values)
-        columns[what.name] = part.column(recipe)
+        columns[what.name] = part.column()
     lines = index_labels(source.given) or list(range(count))
     return SourceTable(source.path, source.path.name, columns, lines, word="row")
 
@@ -467,9 +462,8 @@ def sound_numbers(
 ) -> tuple[dict[str, Array], list[Note]]:
     """Columns of numbers by name, shape (n,), of the sound rows, and what was left out.
 
-    A row is sound if all its required cells are numbers; a gap in another column is NaN. What is
-    not plausible is refused, and `several` may refuse the table. A NothingSound says that no row is
-    sound.
+    A row is sound if all its required cells are numbers; a gap in another column is NaN. `several`
+    may refuse the table. A NothingSound says that no row is sound.
     """
     table = read_table(given, recipe).valid()
     if several is not None:
@@ -477,14 +471,6 @@ def sound_numbers(
     there = {name: column.values for name, column in table.known.items()}
     required = [name for name, entry in recipe.entries.items() if entry.required]
     sound = np.all([np.isfinite(there[name]) for name in required], axis=0)
-    for name, values in there.items():
-        plausible = recipe.entries[name].plausible
-        why = plausible and plausible.why(name, np.where(sound, values, math.nan))
-        if why:
-            raise ScenarioError(
-                f"{table.path}: {table.word} {table.lines[why[0]]}: {why[1]}; leave the cell of a "
-                "saturated reading empty"
-            )
     left_out = [*table.notes, *table.not_used()]
     if not sound.all():
         wrong = np.flatnonzero(~sound).tolist()

@@ -1,16 +1,12 @@
-"""Recipes: the columns of a kind of table, with their units and what is plausible of them."""
+"""Recipes: the columns of a kind of table, with their units."""
 
 from __future__ import annotations
 
-import math
 import textwrap
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-import numpy as np
-
-from stickslip._util.arrays import Array, Mask
 from stickslip._util.messages import misspelt, nearest, shown
 from stickslip._util.text import plain
 from stickslip._util.units import ended, per_si, split_unit
@@ -20,34 +16,12 @@ VALID = "valid", "ok"
 """Columns that say which rows are valid."""
 
 
-class Plausible(NamedTuple):
-    """Sizes that numbers of a column may have, in SI; what is beyond is in another unit."""
-
-    unit: str
-    low: float = 0.0
-    high: float = math.inf
-
-    def why(self, name: str, values: Array | float) -> tuple[int, str] | None:
-        """The first row that is beyond and what to do, if there is one; a gap is not."""
-        sizes, unit = np.atleast_1d(np.abs(values)), self.unit
-        beyond = np.flatnonzero((sizes < self.low) | (sizes > self.high))
-        if not len(beyond):
-            return None
-        size = sizes[beyond[0]]
-        limit = f"above {self.high:g}" if size > self.high else f"below {self.low:g}"
-        meant = " or ".join(f'"{name} ({prefix}{unit})"'
-                            for prefix in ("mu" if size > self.high else "k"))  # fmt: skip
-        text = f"{name} of {size:.3g} {unit} is {limit} {unit}: state its unit, as {meant}"
-        return int(beyond[0]), text
-
-
 class Entry(NamedTuple):
     """A column of a recipe: its SI unit, None of words, and its other names."""
 
     unit: str | None
     also: tuple[str, ...] = ()
     required: bool = False
-    plausible: Plausible | None = None
 
 
 class Match(NamedTuple):
@@ -86,15 +60,12 @@ class Recipe:
     exact : bool
         Whether these columns and no others have to be there, and each cell has to be a number. A
         gap is NaN otherwise, and other columns are information.
-    gaps : callable, optional
-        Which numbers of a column stand for no value.
     information : collection of str
         Names of others that are not taken for slips of known ones.
     """
 
     entries: Mapping[str, Entry]
     exact: bool = False
-    gaps: Callable[[Array], Mask] | None = None
     information: Collection[str] = ()
 
     @staticmethod
@@ -161,7 +132,8 @@ def per_heading(heading: str, unit: str, si: str) -> float:
     try:
         return per_si(unit, si)
     except ValueError as error:
-        raise ScenarioError(f"column {shown(heading)}: the unit is not known; {error}") from None
+        text = f"column {shown(heading)}: {shown(unit)} is no unit of it; {error}"
+        raise ScenarioError(text) from None
 
 
 def refuse_twice(names: Sequence[str]) -> None:

@@ -1,4 +1,4 @@
-"""Units of files and of display, and the unit that a number was probably given in."""
+"""Units of files and of display."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import functools
 import math
 import re
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, TypeVar
 
 from stickslip._util.messages import nearest
@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 Numbers = TypeVar("Numbers", float, "NDArray[np.float64]")
+
+SI = "si"
+Units = Mapping[str, str] | str | None
+"""Units that a caller states: by column, or `SI` for all."""
 
 _PREFIXES = {"k": 1e-3, "m": 1e3, "u": 1e6, "µ": 1e6, "μ": 1e6, "n": 1e9}
 """How many of the prefixed unit are one; both signs of micro."""
@@ -186,15 +190,6 @@ def ratio(unit: str, other: str) -> float:
     return per_si(unit, si) / per_si(other, si)
 
 
-def is_quotient(over: str, under: str, unit: str) -> bool:
-    """Whether one unit over another is a third, whatever angles are in them."""
-    sizes = [_size(each) for each in (over, under, unit)]
-    if any(size is None for size in sizes):
-        return False
-    first, second, third = ((0,) * 5 if size is None else size[1][:5] for size in sizes)
-    return all(a - b == c for a, b, c in zip(first, second, third, strict=True))
-
-
 @functools.lru_cache(256)
 def _size(unit: str) -> _Size | None:
     """SI size and dimensions of a product of units as people and programs write it; else None."""
@@ -289,22 +284,6 @@ def zero_of(unit: str | None) -> float:
     return {"degC": 273.15, "degF": 459.67 / 1.8}.get(str(name), 0.0)
 
 
-def other_units(units: Iterable[str]) -> list[tuple[str, float, float]]:
-    """Units that numbers of a quantity may be in: name, how many are one SI unit, and their zero.
-
-    Of a quantity that is not known, the factors of usual mistakes without a name.
-    """
-    found: dict[tuple[str, float], tuple[str, float, float]] = {}
-    for si in units:
-        for unit, per in (_known(si) if si in _SI else {}).items():
-            # Nobody counts in krad or kK.
-            if per != 1.0 and not (unit == f"k{si}" and si[0] not in "NWV"):
-                found.setdefault((si, per), (unit, per, 0.0))
-        if si == "K":
-            return [("degF", 1.8, 0.0), ("degF", 1.8, 32.0)]
-    return list(found.values()) or [("", factor, 0.0) for factor in MISTAKES]
-
-
 def to_si(values: Numbers, per: float) -> Numbers:
     """Numbers in SI units; by an exact power of ten where there is one, so rounded once."""
     return values if per == 1.0 else values / per if per >= 1.0 else values * (1.0 / per)
@@ -319,101 +298,3 @@ def _known(si: str) -> dict[str, float]:
     """All units of the quantity of an SI unit, with how many of each are one of it."""
     prefixed = {} if si == "kg" else {f"{prefix}{si}": n for prefix, n in _PREFIXES.items()}
     return {si: 1.0, **prefixed, **_OTHERS.get(si, {})}
-
-
-FACTORS = (10.0, 100.0, 1e3, 1e6)
-"""Mistakes of a unit, and their inverses."""
-
-_TAKEN = {
-    60.0: "min for s", 3600.0: "h for s", 3.6: "km/h for m/s", 1.8: "degF for K",
-    30.0 / math.pi: "rpm for rad/s", 180.0 / math.pi: "degrees for rad", 6e4: "l/min for m^3/s",
-}  # fmt: skip
-MISTAKES = tuple(each for one in (*FACTORS, 1e4, 1e5, 1e7, *_TAKEN) for each in (one, 1.0 / one))
-"""Factors of units that are taken for each other, and their inverses."""
-
-_CHANGE = 3.0
-"""Factor up to which a constant has changed, whatever the unit. Chosen: degF for K is less."""
-
-NEAR = math.sqrt(10.0)
-"""Ratio to one of `FACTORS` within which a number is near it. Chosen: what is expected is seldom
-known to better than a factor of three, and beyond it another power of ten is nearer."""
-
-_MOST = 50.0
-"""Ratio beyond which a size is far from the usual one. Chosen: below 57 (degrees for rad) and 1000
-(mm for m), the commonest mistakes of units."""
-
-_SMALLER = {
-    "m": ("cm", "mm", "um"),
-    "m/s": ("mm/s", "um/s"),
-    "kg": ("g", "mg", "ug"),
-    "s": ("ms", "us"),
-    "T": ("mT", "uT"),
-    "H": ("mH", "uH"),
-}
-"""Units that a laboratory uses in place of an SI unit."""
-
-
-def unit_factor(
-    ratio: float, within: float = NEAR, among: Iterable[float] = FACTORS
-) -> float | None:
-    """The factor that a ratio of sizes is nearest to, or its inverse.
-
-    None for a ratio that is farther from all of them than the factor `within`.
-    """
-    if not 0.0 < ratio < math.inf:
-        return None
-    size = abs(math.log(ratio))
-    factor = min(among, key=lambda known: abs(size - math.log(known)))
-    # What makes 1000 of 999.9999 must not decide.
-    if abs(size - math.log(factor)) > math.log(within) * (1.0 + 1e-12):
-        return None
-    return factor if ratio > 1.0 else 1.0 / factor
-
-
-def unit_meant(
-    unit: str, ratio: float, within: float = NEAR, least: float = 1.0
-) -> tuple[str, float] | None:
-    """The unit that a number may be in whose size is `ratio` times that expected in an SI unit.
-
-    With the factor of numbers in it, which is `least` or more; None where no such unit is near.
-    """
-    if not ratio > 1.0:
-        return None
-    names = {per_si(name, unit): name for name in _SMALLER.get(unit, ())}
-    units = {factor: name for factor, name in names.items() if factor >= least}
-    factor = unit_factor(ratio, within, units) if units else None
-    return None if factor is None else (units[factor], factor)
-
-
-def factor_text(factor: float) -> str:
-    """``1000`` or ``1/1000``."""
-    return f"{factor:.7g}" if factor >= 1.0 else f"1/{1.0 / factor:.7g}"
-
-
-def mistaken(ratio: float, within: float) -> str:
-    """A sentence on a ratio that is, within a part of it, that of two units; "" of any other."""
-    factor = unit_factor(ratio, 1.0 + within, MISTAKES)
-    if factor is None or max(factor, 1.0 / factor) < _CHANGE:
-        return ""
-    size = max(factor, 1.0 / factor)
-    units = [words for one, words in _TAKEN.items() if math.isclose(one, size)]
-    of = f", as of {units[0]}" if units else ""
-    return f"That is a factor of {factor_text(factor)}{of}: look at its unit and those of the data."
-
-
-def far_size(measured: float, usual: float, unit: str, whose: str) -> str | None:
-    """How a size differs from `whose`, which is usual, by more than a factor of 50; else None.
-
-    Both sizes are in `unit` and not below 0; of a size of 0 nothing is said.
-    """
-    if measured == 0.0 or usual == 0.0 or 1.0 / _MOST < measured / usual < _MOST:
-        return None
-    text = (
-        f"about {measured / usual:.3g} times {whose} ({measured:.3g} against {usual:.3g} {unit}; "
-        f"allowed is {1.0 / _MOST:g} to {_MOST:g} times)"
-    )
-    factor = unit_factor(measured / usual)
-    if factor is None:
-        return text
-    size = factor_text(max(factor, 1.0 / factor))
-    return f"{text}, so a column may be in a unit that is wrong by {size}"

@@ -26,8 +26,7 @@ _SHOWN = {
 
 
 _CODES = {
-    "unit-map", "unit-map-background", "unit-length", "unit-inductance", "window-short",
-    "pulses-short", "hidden-key", "inductance", "capacitor", "voltage", "map",
+    "window-short", "pulses-short", "hidden-key", "capacitor", "voltage", "map",
 }  # fmt: skip
 """Notes that concern coils."""
 

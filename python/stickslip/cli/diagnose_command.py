@@ -11,7 +11,8 @@ import click
 import stickslip
 from stickslip._util.columns import Source
 from stickslip._util.files import check_folder
-from stickslip.cli.options import FOLDER, JSON, PATH, SEED, THREADS, pairs, stated
+from stickslip._util.units import Units
+from stickslip.cli.options import FOLDER, JSON, PATH, SEED, THREADS, UNITS, pairs, stated
 from stickslip.cli.output import print_json, progress_bar, say, write_new
 from stickslip.diagnosis.report.files import FILES as REPORT
 from stickslip.diagnosis.result import Diagnosis
@@ -62,6 +63,7 @@ _SAID_FIRST = 3
     "reads=NAME, smooth=yes and without=NAME,NAME",
     metavar="NAME=VALUE",
 )
+@UNITS
 @click.option(
     "--out",
     type=FOLDER,
@@ -81,6 +83,7 @@ def command(
     model: str | None,
     against: tuple[Path, ...],
     set: dict[str, Any],
+    units: Units,
     out: Path | None,
     as_json: bool,
     seed: int,
@@ -91,12 +94,13 @@ def command(
         for option, value in {"--threads": threads, "--write": write or None}.items():
             if value is not None:
                 raise click.UsageError(f"{option}: allowed without --model only")
-        _diagnose_logs(files, against, model, set, out, as_json, seed)
+        _diagnose_logs(files, against, model, set, units, out, as_json, seed)
         return
     measurement, *more = files
     more += against[1:]
-    if more or set:
-        raise click.UsageError(f"{more[0] if more else '--set'}: allowed with --model only")
+    if more or set or units is not None:
+        wrong = more[0] if more else "--set" if set else "--units"
+        raise click.UsageError(f"{wrong}: allowed with --model only")
     try:
         data = stickslip.read_measurement(measurement)
     except TableGiven as error:
@@ -140,6 +144,7 @@ def _diagnose_logs(
     against: Sequence[Path],
     model: str,
     given: Mapping[str, Any],
+    units: Units,
     out: Path | None,
     as_json: bool,
     seed: int,
@@ -155,7 +160,7 @@ def _diagnose_logs(
     paths = [*against, *files]
     sources = [Source(path) for path in paths]
     made = load_model(model, given, sources)
-    logs = [read_log(source, made) for source in sources]
+    logs = [read_log(source, made, units) for source in sources]
     names = [log.name for log in logs]
     logs = [log.named(f"{path.resolve().parent.name}/{log.name}")
             if names.count(log.name) > 1 else log

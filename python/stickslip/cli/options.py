@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from decimal import Decimal
 from pathlib import Path
 from typing import Any, TypeVar
@@ -12,6 +12,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from stickslip._util.messages import MOST_VALUES, shown
+from stickslip._util.units import SI, Units
 from stickslip.scenario.held import PATHS
 from stickslip.scenario.keys import Value, full_name, known_keys
 
@@ -85,6 +86,28 @@ def stated(key: str, text: str) -> Any:
     if values[0] in ("true", "false"):
         return values[0] == "true"
     return tuple(values) if len(values) > 1 else values[0]
+
+
+def _column_units(ctx: click.Context, param: click.Parameter, texts: Sequence[str]) -> Units:
+    """Units by column of ``COLUMN=UNIT,COLUMN=UNIT``, or ``si`` itself."""
+    if [*texts] == [SI] or not texts:
+        return SI if texts else None
+    pairs = [part.rpartition("=")[::2] for text in texts for part in text.split(",")]
+    units = {name.strip(): unit.strip() for name, unit in pairs}
+    if not all(name and unit for name, unit in units.items()):
+        text = f"allowed is COLUMN=UNIT, such as speed=deg/s, or {SI}"
+        raise click.BadParameter(text, ctx, param)
+    return units
+
+
+UNITS = click.option(
+    "--units",
+    multiple=True,
+    metavar="COLUMN=UNIT",
+    callback=_column_units,
+    help="Unit of a column of logs whose heading states none, such as speed=deg/s; several after "
+    f"commas, or repeated; {SI} if all of these are in SI units.",
+)
 
 
 def range_or_words(key: str, text: str) -> list[Value]:

@@ -24,7 +24,7 @@ from stickslip._util.note import Note
 from stickslip._util.prior import Prior
 from stickslip._util.units import unit_label
 from stickslip.diagnosis.data.errors import Errors
-from stickslip.diagnosis.data.series import LOST_SENSOR, Series
+from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.entry import diagnosed, fault_of, one_blas_thread, prepared, stated_terms
 from stickslip.diagnosis.fitting.problem import Cached, Problem
@@ -84,11 +84,9 @@ def diagnose_change(
     both = [tables_in(*one) for one in ((BEFORE, before), (AFTER, after))]
     stated = stated_terms(predict, uncertain, causes, [*both[0], *both[1]])
     with one_blas_thread():
-        ready = [prepared(predict, tables, lambda _: stated, int(seed)) for tables in both]
+        ready = [prepared(predict, tables, stated, int(seed)) for tables in both]
         problems = [problem for problem, _ in ready]
         faults = [fault for _, fault in ready]
-        if not all(faults):  # what looks like another unit on one side alone is a difference
-            faults = [fault for fault in faults if fault and fault.code == LOST_SENSOR]
         faults += [fault_of(problem, True) for problem in problems]
         shared = [one.name for one in stated[0] if not one.each_record]
         made = posed_change(problems, shared, int(seed), _words(predict, problems[1].constants))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -13,14 +13,12 @@ from threadpoolctl import threadpool_limits
 from stickslip._util.messages import check_whole
 from stickslip._util.note import Note
 from stickslip.diagnosis.data.series import LOST_SENSOR
-from stickslip.diagnosis.data.table import READINGS, Table
-from stickslip.diagnosis.fitting.other_units import unit_fault
+from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.scatter import with_scatter
 from stickslip.diagnosis.fitting.search import Progress
 from stickslip.diagnosis.model import (
     Predict,
-    bare_problem,
     computed_tables,
     overflows,
     posed,
@@ -86,7 +84,7 @@ def diagnose_model(
     """
     check_whole("seed", seed)
     with one_blas_thread():
-        terms = partial(stated_terms, predict, uncertain, causes)
+        terms = stated_terms(predict, uncertain, causes, data)
         problem, fault = prepared(predict, data, terms, int(seed))
         problem = problem if fault else with_scatter(problem, int(seed))
         notes = [*overflows(problem), *without_effect(problem)]
@@ -106,21 +104,15 @@ def stated_terms(
 
 
 def prepared(
-    predict: Predict, data: Table | Sequence[Table], terms: Callable[[Any], Terms], seed: int
+    predict: Predict, data: Table | Sequence[Table], terms: Terms, seed: int
 ) -> tuple[Problem, Note | None]:
     """The problem of what can be computed of data, and what is wrong with them, if anything is."""
-    stated = terms(data)
-    problem = posed(data, predict, *stated)
+    problem = posed(data, predict, *terms)
     tables = computed_tables(problem, seed)
     if tables != problem.tables:
-        problem = posed(tables, predict, *stated)
+        problem = posed(tables, predict, *terms)
     lost = (note for table in problem.tables for note in table.own_notes)
     fault = next((note for note in lost if note.code == LOST_SENSOR), None)
-    for each in dict.fromkeys((problem.short, problem)) if fault is None else ():
-        fault = unit_fault(each, lambda other: bare_problem(other, predict, *terms(other)),
-                           _units(predict), seed)  # fmt: skip
-        if fault is None:
-            break
     return problem, fault
 
 
@@ -132,17 +124,6 @@ def diagnosed(
     say = progress or (lambda fraction, stage: None)
     findings = run(problem, seed, say, fault or fault_of(problem))
     return Diagnosis(findings, source, (*notes, *moved_constants(findings)))
-
-
-def _units(predict: Predict) -> dict[str, tuple[str, Sequence[str]]]:
-    """Names of the columns of a model's logs, and their SI units."""
-    known: dict[str, tuple[str, Sequence[str]]] = {
-        READINGS: ("the readings", ()), "t": ("time", ("s",))}  # fmt: skip
-    columns: Any = getattr(predict, "columns", ())
-    if hasattr(columns, "reads") and hasattr(columns, "inputs"):
-        known[READINGS] = columns.reads, (columns.unit,)
-        known |= {name: (name, units) for name, units in columns.inputs.items()}
-    return known
 
 
 # Matrices are small: further threads of their products wait for each other longer than they work.

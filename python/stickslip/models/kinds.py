@@ -167,8 +167,9 @@ KINDS = {
             (
                 Term("capacity", "J/K", "heat capacity", more="of the body"),
                 Term("loss", "W/K", "loss to the ambient"),
-                Term("ambient", "K", "temperature of the ambient", signed=True, value=0.0,
-                     more="where it is no input, in the unit of the readings"),
+                Term("ambient", "K", "temperature of the ambient", signed=True,
+                     more="where it is no input, in the unit of the readings; 0 where these are "
+                     "counted from it"),
                 Term("loss_growth", "W/K^2", "a loss that grows with the temperature", 0.1,
                      "force / reading reading", more="by convection or radiation"),
                 Term("heater_capacity", "J/K", "a second heat store", 0.2, "capacity",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -14,41 +13,34 @@ import numpy as np
 from stickslip._util.arrays import Array
 from stickslip._util.clocks import JUMP, counted_on, times
 from stickslip._util.columns import Column, Source, SourceTable, limits
-from stickslip._util.messages import shown
+from stickslip._util.messages import refuse, shown
 from stickslip._util.note import Note
 from stickslip._util.recipes import Entry, Match, Recipe, per_heading, refuse_twice
 from stickslip._util.text import counted, plain
 from stickslip._util.units import (
+    SI,
+    Units,
     ended,
     is_of,
-    is_quotient,
     is_unit,
     same_unit,
     split_unit,
     to_si,
     zero_of,
 )
-from stickslip.diagnosis.data.outliers import marks_of_none
 from stickslip.diagnosis.data.series import Series
-from stickslip.diagnosis.data.table import READINGS
 from stickslip.errors import ScenarioError
 
 _TIME, _ERROR = "t", "sd"
 _ALSO = {_TIME: ("time", "timestamp", "unix", "unix time", "datetime", "clock", "date")}
 """Further names of columns."""
 
-_TURN = 2.0 * math.pi
-"""Largest angle without a unit, rad. Chosen: beyond a turn it may be in degrees as well."""
 _CUT = "cut the log into two files there"
 
 _ASKED = {"set", "setpoint", "sp", "target", "ref", "reference", "demand", "desired", "goal", "cmd",
           "command", "commanded", "soll"}  # fmt: skip
 _READ = {"actual", "act", "measured", "meas", "feedback", "fb", "read", "ist", "sensor"}
 """Words in the names of columns that were asked for, and of those that were read."""
-
-_FAST = 1e-3
-"""Part of a step in which all stated time constants pass that is none of their log. Chosen: nothing
-of them would be seen."""
 
 
 class Columns(NamedTuple):
@@ -64,9 +56,8 @@ class Columns(NamedTuple):
         SI units by name: one, or those of the quantities that it may be.
     needed : bool
         Whether all inputs have to be there. They are 0 otherwise.
-    assumed : dict
-        Inputs that have a value where there is no column, as nothing else is stated; None of one
-        that has to be there.
+    constants : collection of str
+        Inputs that a model may state as constants, and does not.
     drives : tuple of str
         Inputs of which one has to be there; the first may be known by its unit alone.
     also : dict
@@ -77,7 +68,7 @@ class Columns(NamedTuple):
     unit: str
     inputs: Mapping[str, tuple[str, ...]]
     needed: bool = False
-    assumed: Mapping[str, float | None] = {}
+    constants: Collection[str] = ()
     drives: tuple[str, ...] = ()
     also: Mapping[str, tuple[str, ...]] = {}
 
@@ -96,15 +87,16 @@ class _Log(Recipe):
     """The recipe of a log of a model: its columns are known by their names, or by their units.
 
     A column is known in whatever case; ``speed_rpm`` states its unit, too. One that states its unit
-    comes before a bare counter. `wanted` is what the model takes, and `also_reads` are quantities
-    that it could read.
+    comes before a bare counter. `wanted` is what the model takes, `also_reads` are quantities that
+    it could read, and `units` are those that the caller states, see `read_log`.
     """
 
     wanted: Columns = field(kw_only=True)
     also_reads: Collection[str] = ()
+    units: Units = None
 
     @staticmethod
-    def of_model(model: Any) -> _Log:
+    def of_model(model: Any, units: Units) -> _Log:
         """The recipe of a model's logs."""
         wanted = getattr(model, "columns", None)
         if not isinstance(wanted, Columns):
@@ -112,22 +104,58 @@ class _Log(Recipe):
         reads = tuple(getattr(getattr(model, "kind", None), "reads", ()))
         entries = {name: Entry(units[0], (*_ALSO.get(name, ()), *wanted.also.get(name, ())))
                    for name, units in wanted.units.items()}  # fmt: skip
-        return _Log(entries, gaps=marks_of_none, wanted=wanted, also_reads=reads)
+        return _Log(entries, wanted=wanted, also_reads=reads, units=units)
 
     def matched(self, headings: Sequence[str]) -> list[Match]:
         """The meaning of each column; a ScenarioError names one that is missing, or may be two."""
         refuse_twice(headings)
         refuse_twice([name for name in (split_unit(text)[0] for text in headings)
                       if name in self.entries])  # fmt: skip
-        found = self.found([_Heading.of(text) for text in headings])
+        found = self.found(self._with_units([_Heading.of(text) for text in headings]))
         # Another column may have the name of one that stated its unit behind it.
         made = [Match(text, f"{text} (beside)" if text in found else text, known=False)
                 for text in headings]  # fmt: skip
         for name, (k, heading) in found.items():
             si = heading.si(self.wanted.units[name])
-            per = 1.0 if heading.unit is None else per_heading(heading.text, heading.unit, si)
-            made[k] = Match(heading.text, name, si, heading.unit, per)
+            in_si = heading.unit is None and self.units == SI and name != _ERROR
+            unit = si if in_si else heading.unit
+            per = 1.0 if unit is None else per_heading(heading.text, unit, si)
+            made[k] = Match(heading.text, name, si, unit, per)
         return made
+
+    def _with_units(self, there: list[_Heading]) -> list[_Heading]:
+        """Headings with the units that the caller states; a ScenarioError names a wrong one."""
+        if self.units in (None, SI):
+            return there
+        if not isinstance(self.units, Mapping):
+            refuse("units", self.units, f'"{SI}", or units by column, such as {{"speed": "rpm"}}')
+        for name, unit in self.units.items():
+            of = [k for k, each in enumerate(there) if name in (each.text, each.name)]
+            if len(of) != 1:
+                have = ", ".join(shown(each.name) for each in there)
+                raise ScenarioError(f"units: there is no column {shown(name)}; there are {have}")
+            own = there[of[0]].unit
+            if not isinstance(unit, str) or own not in (None, unit):
+                refuse(f"units: {name}", unit, own or "the text of a unit, such as rad/s")
+            there[of[0]] = there[of[0]]._replace(unit=unit)
+        return there
+
+    def check_units(self, table: SourceTable, dated: bool) -> None:
+        """Refuse columns that state no unit, with the line that states it; `dated` times do."""
+        units = {each.what.heading: self.wanted.units[name][0]
+                 for name, each in table.known.items() if each.what.unit is None
+                 and "-" not in self.wanted.units[name] and name != _ERROR
+                 and not (name == _TIME and dated)}  # fmt: skip
+        if units:
+            several, heads = ("s", "") if len(units) > 1 else ("", "s")
+            names, written = ", ".join(map(shown, units)), ", ".join(
+                f'"{name} ({unit})"' for name, unit in units.items())  # fmt: skip
+            option = ",".join(f"{name}={unit}" for name, unit in units.items())
+            raise ScenarioError(
+                f"{table.path}: column{several} {names} state{heads} no unit: write {written}, or "
+                f'the right units, or add --units "{option}" (in Python units={units}); if all are '
+                f"SI, --units {SI}"
+            )
 
     def check(self, columns: Sequence[Match]) -> None:
         """Nothing more: what is missing was told by `matched`, and no name is a slip here."""
@@ -163,8 +191,8 @@ class _Log(Recipe):
             elif fit or column != first or self.wanted.drives:
                 self._missing(column, there)
         for column in self.wanted.inputs:
-            absent = self.wanted.needed or self.wanted.assumed.get(column, 0.0) is None
-            if column not in found and absent:
+            needed = self.wanted.needed or column in self.wanted.constants
+            if column not in found and needed:
                 self._missing(column, there)
         return found
 
@@ -193,7 +221,7 @@ class _Log(Recipe):
             more = f'; with reads="{other}" (--set reads={other}) the model reads that'
         if name in self.wanted.inputs and not self.wanted.needed:
             more = "; where nothing acted, write a column of zeros"
-        if name in self.wanted.assumed:
+        if name in self.wanted.constants:
             more = f"; or state its value, as by --set {name}=VALUE"
         raise ScenarioError(
             f'column "{name}" is missing; there are {have}: call one "{name} ({unit})"; '
@@ -209,18 +237,15 @@ class _Log(Recipe):
             if named.isdisjoint({plain(heading.name), plain(heading.bare)}):
                 notes.append(Note("column-by-unit", f"{shown(heading.text)} is taken for {name}."))
         others = [_Heading.of(text) for text in table.others]
-        first = next(iter(self.wanted.inputs), None)
-        for name, units in self.wanted.inputs.items():
-            idle = name == first and not table.known.keys() & {*self.wanted.drives}
-            if name not in table.known and (idle or name in self.wanted.assumed):
-                text = f"it is taken as {self.wanted.assumed.get(name) or 0.0:g}."
-                notes.append(Note("no-input", f"There is no column {name}: {text}"))
-                fit = [each for each in others
-                       if (each.unit is None and name == first) or each.fits(units)]  # fmt: skip
-                if fit:
-                    heads, unit = " or ".join(shown(each.text) for each in fit), fit[0].unit
-                    text = f'If {heads} is the {name}, call it "{name} ({unit or units[0]})".'
-                    notes.append(Note("other-name", text))
+        first = next(iter(self.wanted.inputs), "")
+        if first and not table.known.keys() & {first, *self.wanted.drives}:
+            notes.append(Note("no-input", f"There is no column {first}: it is taken as 0."))
+            units = self.wanted.inputs[first]
+            fit = [each for each in others if each.unit is None or each.fits(units)]
+            if fit:
+                heads, unit = " or ".join(shown(each.text) for each in fit), fit[0].unit
+                text = f'If {heads} is the {first}, call it "{first} ({unit or units[0]})".'
+                notes.append(Note("other-name", text))
         for each in others:
             if plain(each.name) == "error":
                 text = f"Column {shown(each.text)} is not used, as it may be a set point less a "
@@ -269,15 +294,16 @@ def read_in(source: Source, quantities: Sequence[str]) -> str | None:
                  if plain(name) in (plain(each.name), plain(each.bare))), None)  # fmt: skip
 
 
-def read_log(path: str | PathLike[str] | Any, model: object) -> Series:
+def read_log(path: str | PathLike[str] | Any, model: object, units: Units = None) -> Series:
     """A log for a model: columns of time, of what is read, and of inputs.
 
     A column is known by its name, in whatever case, and else by its unit, where it is the only one
-    of it: the time, what is read, and the first input. ``speed (rpm)`` is converted, and a note
-    says so. A column ``sd`` has the error of each reading. Temperatures get the zero of the
-    readings. Times may be dates or clocks, ``2026-05-01 12:00:00.25``, or counts since 1970; these
-    are counted from the first reading. Clocks, angles and counters that begin anew are counted on.
-    Rows without a reading are left out, and those whose column ``valid`` or ``ok`` has 0.
+    of it: the time, what is read, and the first input. Its unit is stated by the heading, as
+    ``speed (rpm)`` or ``speed_rpm``, by an array that carries one, or by `units`; pure numbers need
+    none. A column ``sd`` has the error of each reading, without a unit in that of the readings.
+    Temperatures get the zero of the readings. Times may be dates or clocks, such as
+    ``2026-05-01 12:00:00.25``. Angles and counters that begin anew are counted on. Rows without a
+    reading are left out, and those whose column ``valid`` or ``ok`` has 0.
 
     Parameters
     ----------
@@ -285,6 +311,9 @@ def read_log(path: str | PathLike[str] | Any, model: object) -> Series:
         CSV, with a line of headings; or columns by heading, also with units of their own.
     model : Model or Own
         Of `stickslip.models`.
+    units : dict or "si", optional
+        Units of columns whose headings state none, such as ``{"speed": "deg/s"}``; ``"si"`` where
+        all of these are in SI units.
 
     Returns
     -------
@@ -294,46 +323,24 @@ def read_log(path: str | PathLike[str] | Any, model: object) -> Series:
     Raises
     ------
     ScenarioError
-        If a column or a unit is not known, or may be one of several; if a row has no time or lacks
-        an input; or if the clock runs backwards, or jumps by more than 20 of its steps.
+        If a column is not known or may be one of several, or its unit is not known or not stated;
+        if a row has no time or lacks an input; or if the clock runs backwards, or jumps by more
+        than 20 of its steps.
     """
     source = path if isinstance(path, Source) else Source(path)
-    recipe = _Log.of_model(model)
+    recipe = _Log.of_model(model, units)
     wanted, table = recipe.wanted, source.read(recipe)
     notes = recipe.notes(table)
-    t, told, stated = times(table.columns[_TIME], table.path, table.lines)
+    t, told, dated = times(table.columns[_TIME], table.path, table.lines)
+    recipe.check_units(table, dated)
     table, t = _whole_rows(table, t, wanted, notes)
     values = _readings(table, wanted, notes)
     notes += told
     _check_clock(table, t)
-    bare = [name for name, column in table.known.items() if column.what.unit is None
-            and name != _ERROR and (name != _TIME or not stated)]  # fmt: skip
-    needed = [f"{name} in {wanted.units[name][0]}" for name in bare
-              if name == wanted.reads or {"-", "K"}.isdisjoint(wanted.units[name])]  # fmt: skip
-    if needed:
-        units_of = ", ".join(needed)
-        notes.append(Note("no-unit", f"Headings without a unit are read in SI units: {units_of}."))
-    if _TIME in bare:
-        _check_fast(table, t, model)
     inputs, shows = _with_one_zero(values, table.known, wanted, notes)
     name = source.path.stem if source.is_file else "log"
     log = Series(t, values[wanted.reads], inputs, values.get(_ERROR), name, unit=shows)
-    log.unstated = [READINGS if name == wanted.reads else name for name in bare]
-    largest = float(np.max(np.abs(log.y)))
-    if wanted.unit == "rad" and wanted.reads in bare and largest > _TURN:
-        heading = table.columns[wanted.reads].what.heading
-        raise ScenarioError(
-            f"{table.path}: column {heading} has no unit and reaches {largest:.4g}: beyond a turn "
-            f'allowed is "{heading} (rad)" or "{heading} (deg)"'
-        )
-    if wanted.unit == "K" and not is_near(log.y, 0.0):  # the model asks for it, and takes no 0
-        notes = [note for note in notes if note.code != "no-input"]
     return log.noted(notes)
-
-
-def is_near(readings: Array, temperature: float, within: float = 10.0) -> bool:
-    """Whether a temperature may act on a body of these readings, K. Chosen: wide."""
-    return bool(readings.min() - within <= temperature <= readings.max() + within)
 
 
 def _readings(table: SourceTable, wanted: Columns, notes: list[Note]) -> dict[str, Array]:
@@ -356,7 +363,7 @@ def _readings(table: SourceTable, wanted: Columns, notes: list[Note]) -> dict[st
         notes.append(Note("limits", text, len(beyond)))
     for name in (wanted.reads, *wanted.inputs):
         if name in values:
-            turn = _TURN if columns[name].what.si == "rad" else None
+            turn = math.tau if columns[name].what.si == "rad" else None
             values[name], note = counted_on(values[name], columns[name], turn, table.lines)
             notes += [note] if note else []
     return values
@@ -377,14 +384,7 @@ def _with_one_zero(
     inputs = {name: values[name] for name in wanted.inputs if name in values}
     for name in inputs:
         own = known[name].what.unit
-        if "K" not in wanted.units[name] or not own:
-            continue
-        if read.unit is None:
-            raise ScenarioError(
-                f"column {read.heading} has no unit, and {known[name].what.heading} has one: "
-                f"allowed is one for both, such as {read.heading} ({own})"
-            )
-        if zero_of(own) != zero_of(shows):
+        if "K" in wanted.units[name] and zero_of(own) != zero_of(shows):
             inputs[name] = inputs[name] + (zero_of(own) - zero_of(shows))
             notes.append(Note("other-zero", f"{name} is converted from {own} to {shows}."))
     return inputs, shows
@@ -417,34 +417,14 @@ def _whole_rows(
     return table, t
 
 
-def _check_fast(table: SourceTable, t: Array, model: Any) -> None:
-    """Refuse times without a unit in whose steps all stated time constants have passed."""
-    middles: Mapping[str, float] = getattr(model, "middles", {})
-    if not middles or len(t) < 2:
-        return
-    sizes = {name: abs(value) for name, value in middles.items()
-             if value and getattr(model.known[name], "has_middle", True)}  # fmt: skip
-    terms, powers = model.kind.every, (("s", 1.0), ("s^2", 0.5))
-    lasts = [(sizes[one] / sizes[other]) ** power
-             for one, other in itertools.permutations(sizes, 2) for unit, power in powers
-             if is_quotient(terms[one].unit, terms[other].unit, unit)]  # fmt: skip
-    step = float(np.median(np.diff(t)))
-    if lasts and max(lasts) < _FAST * step:
-        name = table.columns[_TIME].what.heading
-        raise ScenarioError(
-            f"{table.path}: column {name} has no unit, and in steps of {step:g} s all that is "
-            f"stated is over, within {max(lasts):.3g} s: write "
-            f'"{name} (ms)" or "{name} (us)", or "{name} (s)"'
-        )
-
-
 def _check_clock(table: SourceTable, t: Array) -> None:
     steps = np.diff(t)
     usual = float(np.median(steps)) if len(steps) else 0.0
     for k in np.flatnonzero(~(steps > 0.0) | (steps > JUMP * abs(usual)))[:1].tolist():
         at = f"{table.path}: {table.word} {table.lines[k + 1]}, column t = {t[k + 1]:.12g} s"
         if not steps[k] > 0.0:
-            remedy = "write more digits" if steps[k] == 0.0 else f"sort the rows, or {_CUT}"
+            same = "two rows have one time: leave one out, or give times more digits"
+            remedy = same if steps[k] == 0.0 else f"sort the rows, or {_CUT}"
             raise ScenarioError(f"{at}: allowed is a time after {t[k]:.12g} s: {remedy}")
         raise ScenarioError(
             f"{at}: the clock jumps by {steps[k]:.6g} s, and allowed are {JUMP:g} of its steps of "

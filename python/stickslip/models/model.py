@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -16,13 +16,13 @@ from stickslip._util.arrays import Array, root_mean_square, row
 from stickslip._util.messages import meant, refuse
 from stickslip._util.prior import Prior
 from stickslip._util.text import OneLine, brief, is_number
-from stickslip._util.units import same_unit, unit_label, zero_of
+from stickslip._util.units import same_unit
 from stickslip.diagnosis.data.series import Series
 from stickslip.diagnosis.terms import instruments
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import LARGEST_ERROR, Parameter
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.models.log import Columns, is_near
+from stickslip.models.log import Columns
 from stickslip.models.physics import Inputs
 
 Known = float | tuple[float, float] | Prior | Mapping[str, float]
@@ -39,7 +39,6 @@ _COARSE = 100
 noise of a dense log counts little there, and what is faster is rarely asked."""
 
 _LEAST = 1e-3  # of its middle: a constant above zero; chosen, a wrong unit
-_FAR = 100.0  # from all readings, K, beyond which no temperature is likely; chosen: wide
 _COARSE_STEP = 0.02  # of a lag, beyond which a step of the log is told beside it; chosen
 _TRIED, _NEARER = 256, 21  # values of all ranges, and from the best to a middle; chosen: cheap
 _BEGINNINGS = 1000, 3000, 9000  # readings for that, with half of what happens; chosen: 0.1 s
@@ -267,10 +266,8 @@ class Model(OneLine):
     @property
     def columns(self) -> Columns:
         """Columns of a log that it takes, for `read_log`."""
-        # Of these a constant may be stated in place of a column.
-        assumed = {name: term.absent for name, term in self.kind.every.items()
-                   if name in self.kind.inputs and name not in self.known}  # fmt: skip
-        return Columns(self.reads, self.unit, self._input_units, assumed=assumed,
+        constants = self.kind.every.keys() & self.kind.inputs.keys() - self.known.keys()
+        return Columns(self.reads, self.unit, self._input_units, constants=constants,
                        drives=self.kind.drives, also=self.kind.also)  # fmt: skip
 
     @property
@@ -296,7 +293,7 @@ class Model(OneLine):
         """
         _check_names(self.kind, values)
         record = Series(t, np.zeros(np.shape(np.asarray(t))), inputs, sd=1.0)
-        self._check_record(record)
+        self._check_record(record, values)
         p = {name: row(name, [each])[:, None] for name, each in (self.middles | values).items()}
         return np.asarray(self(record, p)[0])
 
@@ -317,7 +314,6 @@ class Model(OneLine):
                     f"{record.at}{name} is an input, and stated too: allowed is one of these; "
                     f"state no {name}, or leave out the input (in a file, rename its column)"
                 )
-            self._check_zeros(record)
         scales = self._scales(records)
         uncertain = [kind.every[name].parameter(prior) for name, prior in self.known.items()
                      if isinstance(prior, Prior)]  # fmt: skip
@@ -431,7 +427,7 @@ class Model(OneLine):
             best = nearer[np.argmax(left(nearer) <= likely)]
         return {name: float(ranges[name].value(best[k])) for k, name in enumerate(ranges)}
 
-    def _check_record(self, record: Any) -> None:
+    def _check_record(self, record: Any, given: Collection[str] = ()) -> None:
         unit, known = self.unit, self.kind.inputs
         if not isinstance(record, Series):
             allowed = "a Series or a list of them"
@@ -447,30 +443,10 @@ class Model(OneLine):
             units, carried = self._input_units[name], record.input_units.get(name)
             if carried and not any(same_unit(carried, each) for each in units):
                 refuse(f"{record.at}input {name}: unit", carried, " or ".join(units))
-        for name in known.keys() - record.inputs.keys() - self.known.keys():
+        for name in known.keys() - record.inputs.keys() - self.known.keys() - {*given}:
             if name in self.kind.every and self.kind.every[name].absent is None:
                 allowed = f"a constant or an input, {known[name]}"
                 raise ScenarioError(f"{record.at}{name} is missing: allowed is {allowed}")
-
-    def _check_zeros(self, record: Series) -> None:
-        """Refuse a temperature that only another zero brings near the readings, or none at all."""
-        of = f"readings in {record.unit}" if unit_label(record.unit) else "readings"
-        seen = f"{of} are between {record.y.min():.4g} and {record.y.max():.4g}"
-        shift = zero_of("degC") if record.unit == "K" else -zero_of("degC")
-        for name in (term.name for term in self.kind.terms if term.unit == "K"):
-            if name not in {*record.inputs, *self.known} and not is_near(record.y, 0.0):
-                more = "".join(f". {one}" for one in record.own_notes if one.code == "other-name")
-                raise ScenarioError(
-                    f"{record.at}{name} is missing, and {seen}: allowed is {name} as a number or a "
-                    f"column, 0 where readings are counted from it{more.rstrip('.')}"
-                )
-            stated = float(np.median(record.inputs.get(name, self.middles.get(name, 0.0))))
-            likely, far = stated + shift, not is_near(record.y, stated, _FAR)
-            if record.unit != "-" and far and is_near(record.y, likely):
-                raise ScenarioError(
-                    f"{record.at}{name} = {stated:g}: {likely:g} may be meant, as {seen}; allowed "
-                    f"is {name} in {record.unit}, or a column that states its unit"
-                )
 
 
 def _check_names(kind: Kind, names: Iterable[str]) -> None:

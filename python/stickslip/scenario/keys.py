@@ -13,7 +13,6 @@ from typing import Literal, ParamSpec, TypeVar
 from stickslip import _core
 from stickslip._util.messages import meant, nearest, refuse, shown, suggestion
 from stickslip._util.text import is_number
-from stickslip._util.units import unit_meant
 from stickslip.errors import ScenarioError
 from stickslip.scenario.held import PATHS, TABLES
 
@@ -56,11 +55,6 @@ less gradient over field than a circle, whose field is known in closed form."""
 
 MEASURED = {"radius": "side = 1.77 radius", "rise_time": "inductance = resistance * rise_time"}
 """Words of `Coil.of`, and what a coil has in their place whose turns are known."""
-
-_MOST_DEGREES = 360.0  # a larger number is hardly an angle
-
-_USUAL = {"T": 1e-3}
-"""Size that numbers of a unit have where a key is 0 by default."""
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
@@ -304,7 +298,7 @@ def set_value(core: _core.Scenario, name: str, value: object) -> None:
         words = [word.strip() for word in value.split(",")] if isinstance(value, str) else []
         wrong = next((word for word in words if word not in key.words), None)
         near = meant(wrong and in_allowed_case(key, wrong), key.words)
-        refuse(name, value, key.allowed + near + _other_unit(key, value))
+        refuse(name, value, key.allowed + near)
 
 
 def checked(name: str, value: object) -> Value:
@@ -322,20 +316,3 @@ def coil_places(coils: object) -> list[int]:
         hint = meant(unknown[0], COIL_NAMES) if unknown else ""
         refuse("coils", coils, f"a list of some of {', '.join(COIL_NAMES)}, each coil once{hint}")
     return [COIL_NAMES.index(name) for name in names]
-
-
-def _other_unit(key: Key, value: object) -> str:
-    """A number beyond its range, read in degrees, mT, um or ug; "" if it is beyond it there too."""
-    try:
-        given = float(value) if is_number(value) else math.nan
-    except OverflowError:
-        given = math.nan
-    if math.isnan(given) or isinstance(key.default, str):
-        return ""
-    if key.unit == "rad":
-        within = key.low <= math.radians(given) <= key.high and abs(given) <= _MOST_DEGREES
-        return f"; {given:g} degrees are {math.radians(given):.4g} rad" if within else ""
-    usual = abs(key.default) or _USUAL.get(key.unit, math.inf)
-    unit, factor = unit_meant(key.unit, abs(given) / usual, math.inf) or ("", math.nan)
-    within = key.low <= given / factor <= key.high
-    return f"; {given:g} {unit} are {given / factor:g} {key.unit}" if within else ""

@@ -11,7 +11,6 @@ from stickslip import _core
 from stickslip._util.messages import shown
 from stickslip._util.note import Note
 from stickslip.scenario.matter import left_out
-from stickslip.simulation.unit_notes import unit_notes
 
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
@@ -22,9 +21,6 @@ MOST_SHOWN = 4
 CODES = (
     # What was not simulated or measured whole.
     "record-cut", "condition-not-met", "window-cut",
-    # Values in another unit, as far as can be seen.
-    "unit-map", "unit-map-background", "unit-time", "unit-length", "unit-mass",
-    "unit-inductance", "unit-angle",
     # A robot that does not walk.
     "rest-no-field", "rest-no-moment", "rest-torque", "rest-adhesion", "rest-drag", "rest-friction",
     "rest",
@@ -34,7 +30,7 @@ CODES = (
     "field-change", "velocity-grows", "turning", "start-up", "window-short", "pulses-short",
     "fluid", "inner",
     # Other values that are probably mistakes.
-    "hidden-key", "prior", "inductance", "capacitor",
+    "hidden-key", "prior", "capacitor",
     "voltage", "density", "moment", "steep-surface", "adhesion", "tangential-restitution",
     "tolerance",
     # Facts, without a fault.
@@ -58,22 +54,12 @@ FAR_FROM_A_PRIOR = 2.5
 
 def scenario_notes(scenario: Scenario) -> list[Note]:
     """Notes on values of a scenario that are probably mistakes; none for most scenarios."""
-    core = scenario.to_core()
-    return with_those_of_files(scenario, core, _core.scenario_notes(core))
-
-
-def with_those_of_files(
-    scenario: Scenario, core: _core.Scenario, rows: Iterable[tuple[str, str, float | None]]
-) -> list[Note]:
-    """Notes of the core, and of what it does not know: how values and files were given."""
-    units = unit_notes(scenario, core)
-    # A unit explains the density that it makes, and the moment of a mass.
-    explained = any(note.code in ("unit-mass", "unit-length") for note in units)
-    others = [Note(*row) for row in rows if not (explained and row[0] in ("density", "moment"))]
-    return [*units, *others, *_of_files(scenario)]
+    rows = _core.scenario_notes(scenario.to_core())
+    return [*(Note(*row) for row in rows), *_of_files(scenario)]
 
 
 def _of_files(scenario: Scenario) -> Iterator[Note]:
+    """Notes on what the core does not know: how values and files were given."""
     for key, value in scenario.hidden.items():
         text = f"{key} = {shown(value)} has no effect: all five coils have their own values"
         yield Note("hidden-key", f"{text}, such as those of [coil.xp]", float(value))
@@ -98,9 +84,8 @@ def run_notes(
     scenario: Scenario, status: str, summary: Mapping[str, Any], condition_met: bool
 ) -> list[Note]:
     """Notes of a run, the most serious first; none for most runs."""
-    core = scenario.to_core()
-    rows = _core.run_notes(core, summary, status == "ok", condition_met)
-    notes = with_those_of_files(scenario, core, rows)
+    rows = _core.run_notes(scenario.to_core(), summary, status == "ok", condition_met)
+    notes = (*(Note(*row) for row in rows), *_of_files(scenario))
     return by_seriousness([*notes, *_of_fluid(scenario, summary), *_of_priors(scenario)])
 
 

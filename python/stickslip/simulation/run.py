@@ -242,7 +242,7 @@ class Run(Recorded):
         run: not measured whole, a condition `until` that was never met, a robot at rest and what
         holds it, one that hops, is pulled by the field's gradient, rolls over, walks out of the
         field or has no steady velocity. Of the scenario: values that are probably mistakes, such as
-        no pulses, lengths in another unit, pulses far shorter than the coils' time constant, or a
+        no pulses, an odd density, pulses far shorter than the coils' time constant, or a
         loose tolerance. Why a robot rests is found by a few short simulations.
         """
         notes = run_notes(self.scenario, self.status, self.numbers, self.condition_met)

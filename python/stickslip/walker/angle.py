@@ -27,8 +27,7 @@ _FEWEST = 8
 """Rows from which on outliers are looked for. Chosen: six distances tell their scale to 50 %."""
 
 _FEW = 0.2
-"""Share of the rows; where more are beyond half a turn the unit is wrong. Chosen: so many are no
-slips of a reader."""
+"""Share of the rows that may be beyond half a turn. Chosen: more are no slips of a reader."""
 
 
 class AngleTable(SimulatedTable):
@@ -38,7 +37,7 @@ class AngleTable(SimulatedTable):
     the robot, in the world's frame, held long enough, and reached from lying flat without a swing.
     `scenario` is what no parameter sets. Without repeats the error of a reading is what lines
     through every second condition leave over, in the order in which the field changes least. A
-    ScenarioError is raised if angles are in another unit.
+    ScenarioError is raised if many angles are beyond half a turn.
     """
 
     words, section = "angles", "Static pitch, [[angle]]"
@@ -67,12 +66,10 @@ class AngleTable(SimulatedTable):
         if np.mean(beyond) > _FEW:
             raise ScenarioError(
                 f"{self.at}theta of {theta[np.argmax(np.abs(theta))]:.4g} rad; allowed is -pi "
-                "to pi. If angles are in degrees, multiply them by pi/180; else subtract whole "
-                "turns"
+                'to pi: subtract whole turns, or state the unit, as "theta (deg)"'
             )
         for angle in theta[beyond].tolist():
-            text = f"theta = {angle:.4g} rad is not used, as it is more than half a turn: "
-            text += "it may be in degrees or have whole turns too many."
+            text = f"theta = {angle:.4g} rad is not used, as it is more than half a turn."
             self.left_out.append(Note("angle-beyond-turn", text, angle))
         return rows[~beyond]
 

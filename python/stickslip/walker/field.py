@@ -10,7 +10,6 @@ import numpy as np
 from stickslip import _core
 from stickslip._util.arrays import Array, Mask, root_mean_square
 from stickslip._util.note import Note
-from stickslip._util.units import far_size
 from stickslip.diagnosis.data.errors import FEWEST
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import COIL_NAMES
@@ -32,8 +31,8 @@ class FieldTable(SimulatedTable):
     `table` has columns xp, xm, yp, ym, clamp (A), x, y, z (m), Bx, By, Bz (T), of shape (n,).
     `scenario` is what no parameter sets. Each component of a field is a reading. Without repeats
     their error is what free gains of the coils, a free uniform field and a free turn of the probe
-    leave over. A ScenarioError is raised if currents are in another unit, or every probe is on a
-    wire or outside of the field map.
+    leave over. A ScenarioError is raised if every probe is on a wire, or one outside of the field
+    map.
     """
 
     words, section = "fields", "Field calibration, [[field]]"
@@ -52,7 +51,6 @@ class FieldTable(SimulatedTable):
         currents, points, fields, shares = (
             array[used] for array in (currents, points, fields, shares)
         )
-        _refuse_currents(currents, shares, fields, self.at)
         settings = dict(zip((*COIL_NAMES, *_PLACE), np.hstack([currents, points]).T, strict=True))
         columns = {key: np.repeat(values, 3) for key, values in settings.items()}
         columns["component"] = np.tile(_FIELD, len(fields))
@@ -150,21 +148,4 @@ def _refuse_outside(box: tuple[Array, Array] | None, places: Array, at: str) -> 
         raise ScenarioError(
             f"{at}{int(outside.sum())} of {len(places)} probes lie outside of coil.map, the "
             f"first at ({first}) m: allowed are probes in the box of the map"
-        )
-
-
-def _refuse_currents(currents: Array, shares: Array, fields: Array, at: str) -> None:
-    """Refuse currents, shape (n, 5), A, that could not make such fields, shape (n, 3), T."""
-    read, made, most = map(
-        root_mean_square, (fields, shares.sum(axis=1), np.abs(shares).sum(axis=1))
-    )
-    # Coils that are stronger than stated, or wound the other way, could make as much as `most`.
-    usual = float(np.clip(read, made, most))
-    far = far_size(read, usual, "T", "what the stated coils make of them")
-    if far is not None:
-        strongest = int(np.argmax(np.max(np.abs(shares), axis=(0, 2))))
-        largest = float(np.max(np.abs(currents[:, strongest])))
-        raise ScenarioError(
-            f"{at}with currents of up to {largest:.4g} A in column {COIL_NAMES[strongest]} "
-            f"the fields are {far}"
         )

@@ -9,12 +9,12 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.linalg import block_diag
 
-from stickslip._util.arrays import Array, Indices, Mask, distinct_rows, root_mean_square
+from stickslip._util.arrays import Array, Indices, Mask, distinct_rows
 from stickslip._util.note import Note
 from stickslip._util.palette import BLACK
 from stickslip._util.picture import Picture
 from stickslip._util.prior import Prior
-from stickslip._util.units import far_size, in_handy_units
+from stickslip._util.units import in_handy_units
 from stickslip.diagnosis.data.errors import Errors, meter_step
 from stickslip.diagnosis.data.noise import Draws
 from stickslip.diagnosis.report.pictures import plain_axes
@@ -50,10 +50,6 @@ _ANGLE_OFFSET, _SCALE, _TRIGGER = math.radians(1.0), 0.01, 3e-4
 """Standard deviations of a camera's zero, rad, of its angles' and a current's scale, and of the
 time at which frames begin, s. Chosen: a camera that was set up by eye, an ammeter of class 1, and a
 third of a frame of 1 kHz."""
-
-_LEAST_RISE = 0.01
-"""Rise of the robot, in its height, that z has to show. Chosen: a micrometre for the robot of Table
-II."""
 
 _TOO_LARGE = 10.0
 """Ratio of a stated error to the scatter of frames that is reported. Chosen: no camera differs by
@@ -113,11 +109,10 @@ class FilmTable(SimulatedTable):
     def unit_of(self, condition: int) -> str:
         return _KINDS[str(self["column"][self.first[condition]])][1]
 
-    def _parts(self) -> list[tuple[Indices | slice, str, str]]:
+    def _parts(self) -> list[tuple[Indices | slice, str]]:
         columns = self["column"][self.first]
-        # Sizes of the others were compared where they were read.
-        return [(np.flatnonzero(columns == name), f"Column {name}", unit * (name in REQUIRED))
-                for name, (_, unit) in _KINDS.items() if name in columns]  # fmt: skip
+        return [(np.flatnonzero(columns == name), f"Column {name}")
+                for name in _KINDS if name in columns]  # fmt: skip
 
     def predict(self, names: Sequence[str], values: Array) -> Array:
         """Observables; NaN where the simulation fails.
@@ -263,20 +258,6 @@ class FilmTable(SimulatedTable):
             # every parameter, and carries little information; the motion after it is smooth.
             used &= times >= drive.latency + drive.ramp
         folded, place = fold(times[used], film.scenario), np.flatnonzero(used)
-        if not required and nominal is not None:
-            size = np.std if name == "z" else root_mean_square
-            seen = place[folded.steady if folded.steady.any() else slice(None)]
-            measured, usual = (float(size(column[seen])) for column in (values, nominal[name]))
-            # A robot that hardly rises, or a coil without a current, shows noise.
-            largest = _LEAST_RISE * film.scenario.robot.height
-            if name != "z":
-                largest = max(root_mean_square(nominal[current][seen]) for current in _CURRENTS)
-            likely = float(np.clip(measured, usual, max(usual, largest)))
-            far = far_size(measured, likely, unit, "what the stated model gives")
-            if far is not None:
-                text = f"The column {name} is not used: its size is {far}."
-                self.left_out.append(Note("column-size", text))
-                return None
         stated = film.noise.get({"x": "x", "z": "x", "theta": "theta"}.get(name, ""))
         rate = film.scenario.pulse_rate
         pace = rocking(film.scenario) / rate if rate > 0.0 else 0.0

@@ -11,14 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from stickslip._util.arrays import RELATIVE, Array, Mask, are_equal
+from stickslip._util.arrays import Array, Mask
 from stickslip._util.columns import SourceTable, sound_numbers
 from stickslip._util.messages import refuse, shown
 from stickslip._util.note import Note
 from stickslip._util.recipes import Recipe
 from stickslip._util.text import OneLine, counted, highest, is_number, plain
-from stickslip._util.units import split_unit, unit_meant
-from stickslip.diagnosis.data.outliers import marks_of_none
+from stickslip._util.units import split_unit
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import FILE
 from stickslip.scenario.scenario import Scenario
@@ -34,16 +33,10 @@ _OPTIONAL = {"z": "m", "current_x": "A", "current_clamp": "A"}
 _OF_A_RUN = [split_unit(heading)[0] for name in COLUMNS for heading in headings(name)]
 """Columns of the CSV file of a run, which is a film too."""
 
-_RECIPE = Recipe.of(
-    REQUIRED | _OPTIONAL, REQUIRED, gaps=marks_of_none, information=frozenset(_OF_A_RUN)
-)
+_RECIPE = Recipe.of(REQUIRED | _OPTIONAL, REQUIRED, information=frozenset(_OF_A_RUN))
 
 FEWEST = 20
 """Frames after the third pulse; runs with fewer are left out. Chosen: they tell too little."""
-
-# Path that no robot of this size walks in one film, m: it would leave the coils. A median tilt that
-# no walking robot has, rad. Beyond these the unit is wrong.
-_LONGEST, _TURNS = 0.1, 2.0 * math.pi
 
 _NOISIEST = 0.5
 """Error of an angle that still says something, rad; that of a place is the robot's length. Chosen:
@@ -52,15 +45,6 @@ half of what the robot tilts. Larger ones are in degrees or um."""
 _WRAPPED, _ODD = 2, 0.1
 """Most turns by which an angle is moved, and share of the large jumps that may be no whole turns.
 Chosen: counts of turns are small, and what a lost frame has is a jump of any size."""
-
-_PATH = 1e-3
-"""Path that a robot walks in one film, about, m; what is in another unit is compared with it."""
-
-_PART = 30.0
-"""Ratio of the last time to 1000 times the drive's end within which times are in ms. Chosen: a film
-may show a thirtieth of the drive."""
-
-_MS_OR_NUMBERS = "ms or numbers of frames"
 
 _OTHER_RATE = 0.02
 """Relative difference of the stated rate from that of the times. Chosen: rounding causes less."""
@@ -120,13 +104,11 @@ def read_tracking(
         rate = stated_number("frame_rate", entry["frame_rate"]) if stated else math.nan
         exposure = _exposure(entry.get("exposure", 0.0), rate)
     columns, left_out = sound_numbers(path, _RECIPE, _refuse_several)
-    why = _unit_of_times(columns["t"], rate, driven.window[1])
-    if why is None:
-        try:
-            columns = _usable_frames(path.name, columns, driven, left_out)
-            why = _too_little(columns, driven)
-        except ScenarioError as error:
-            why = "run-of-two-bodies", str(error), math.nan
+    try:
+        columns = _usable_frames(path.name, columns, driven, left_out)
+        why = _too_little(columns, driven)
+    except ScenarioError as error:
+        why = "run-of-two-bodies", str(error), math.nan
     if why is not None:
         code, text, value = why
         text = f"{path.name}: the run is left out, as {text}."
@@ -187,40 +169,6 @@ def _exposure(value: object, rate: float) -> float:
         most = f", {highest(top)} s" if math.isfinite(top) else ""
         refuse("exposure", value, f"from 0 to the time between two frames{most}")
     return float(value)
-
-
-def _unit_of_times(times: Array, rate: float, end: float) -> _Why | None:
-    """Whether times begin after the `end`, or can only be in ms or numbers of frames.
-
-    Of the latter hardly one is before the end. `rate` is the stated one, Hz, or NaN.
-    """
-    different = np.unique(times)
-    if len(different) < 2 or different[-1] <= end:
-        return None
-    spacing = float(np.median(np.diff(different)))
-    counts = are_equal(spacing, 1.0, RELATIVE)
-    if math.isfinite(rate):
-        meant = unit_meant("s", spacing * rate, 1.0 + _OTHER_RATE)
-        if counts and rate > 1.0 + _OTHER_RATE:
-            meant = ("numbers of frames" if meant is None else _MS_OR_NUMBERS), rate
-    elif np.sum(different < end) < FEWEST:
-        meant = unit_meant("s", float(different[-1]) / end, _PART)
-        meant = (_MS_OR_NUMBERS, math.nan) if counts and meant is not None else meant
-    else:
-        meant = None
-    if meant is None:
-        if different[0] < end:
-            return None
-        begin = float(different[0])
-        text = f"its times begin at {begin:.10g} s, and the drive ends at {end:g} s: "
-        return "run-time-start", f"{text}subtract the time at which the drive began", begin
-    unit, factor = meant
-    mend = f"divide them by {factor:.7g}"
-    if math.isnan(factor):
-        mend = "divide ms by 1000, numbers of frames by the frame rate"
-    last = float(different[-1])
-    text = f"its times, {spacing:.6g} apart and up to {last:.6g}, are {unit}; s are wanted, so "
-    return "run-time-unit", text + mend, last
 
 
 def _usable_frames(
@@ -290,15 +238,6 @@ def _without_turns(theta: Array) -> tuple[Array, Mask]:
     return even, np.abs(even - theta) > 0.5 * whole
 
 
-def too_long(way: float) -> str | None:
-    """Why a path, m, is too long for one, with the unit that it may be in; None if it is not."""
-    if way <= _LONGEST:
-        return None
-    meant, _ = unit_meant("m", way / _PATH, math.inf, 1e3) or ("um, mm or pixels", None)
-    text = f"x spans {way:.3g}, and allowed is up to {_LONGEST:g}; m are wanted, and these may be "
-    return f"{text}{meant}"
-
-
 def _too_little(table: Mapping[str, Array], scenario: Scenario) -> _Why | None:
     """Why a run is not used, if it is not."""
     start, end = scenario.window
@@ -307,14 +246,6 @@ def _too_little(table: Mapping[str, Array], scenario: Scenario) -> _Why | None:
         text = f"it has {counted(count, 'sound frame')} from {start:g} s to {end:g} s, where the "
         text += f"robot walks steadily; {FEWEST} are needed (times are in s, from the start of the "
         return "run-too-short", f"{text}drive)", count
-    turn = float(np.median(np.abs(table["theta"])))
-    if turn > _TURNS:
-        text = f"theta is near {turn:.3g}, and allowed is up to {_TURNS:.3g}; rad are wanted, so "
-        return "run-angle-unit", f"{text}call the column theta (deg) or theta (mrad)", turn
-    way = float(np.ptp(table["x"]))
-    long = too_long(way)
-    if long is not None:
-        return "run-length-unit", long, way
-    if way == 0.0 and float(np.ptp(table["theta"])) == 0.0:
+    if float(np.ptp(table["x"])) == 0.0 and float(np.ptp(table["theta"])) == 0.0:
         return "run-stands-still", "neither x nor theta ever changes", 0.0
     return None

@@ -17,36 +17,20 @@ from stickslip._util.clocks import STAMP, seconds
 from stickslip._util.columns import Column, NothingSound, SourceTable
 from stickslip._util.messages import shown
 from stickslip._util.note import Note
-from stickslip._util.recipes import Entry, Match, Plausible, Recipe
+from stickslip._util.recipes import Entry, Match, Recipe
 from stickslip._util.text import OneLine, comma_hint, counted, plain
-from stickslip._util.units import factor_text, is_of, quantity_of, split_unit, unit_factor
-from stickslip.diagnosis.data.outliers import marks_of_none
+from stickslip._util.units import is_of, quantity_of, split_unit
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import Key, Value, full_name, in_allowed_case, known_keys
 from stickslip.scenario.scenario import Scenario
 from stickslip.sweeping.points import name_of
 from stickslip.walker.outliers import far_from_their_group
 
-FASTEST = 1.0
-"""Mean velocity, m/s; a robot of this size is slower, and beyond it a unit is wrong. Chosen: the
-paper's robots walk some mm/s."""
-
-_ALIKE = 1.1
-"""Ratio within which trials of one condition are alike. Chosen: their errors are some per cent."""
-
-_WALKING = Plausible("m/s", high=FASTEST)
-_FIELD, _PACE = Plausible("T", high=0.1), Plausible("Hz", low=0.2)
-"""Fields above and frequencies below are in another unit. Chosen: the coils of the paper give some
-mT, and the robot is driven at some Hz or more."""
-
 _MANY_LOST = 0.1
 """Part of the rows; if more are left out, the first fact says so. Chosen: it changes the design."""
 
 _LONGEST_DAY = 12 * 3600.0
 """Time between clocks of one day, s. Chosen: as long as people measure."""
-
-_MOST = 0.5
-"""Part of the rows; if more have a number in another unit, the table is refused. Chosen: most."""
 
 _DRIVE, _EFFECTS = "drive.", "effects_"
 """Prefixes of keys of settings; a column's name may leave out those of effects."""
@@ -178,13 +162,12 @@ def settings() -> dict[str, Key]:
 @functools.cache
 def velocities() -> Recipe:
     """The columns that a table of velocities may have."""
-    plausible = {**dict.fromkeys(("peak", "base", "hold"), _FIELD), "frequency": _PACE}
     entries = {name: Entry(unit, required=name == "velocity")
                for name, unit in NOT_SETTINGS.items()}  # fmt: skip
     for name, key in settings().items():
         unit = None if key.kind == "word" else key.unit
-        entries[name] = Entry(unit, (key.name, name_of(key.name)), False, plausible.get(name))
-    return _Velocities(entries, gaps=marks_of_none)
+        entries[name] = Entry(unit, (key.name, name_of(key.name)))
+    return _Velocities(entries)
 
 
 def with_index_columns(table: Any) -> Any:
@@ -336,20 +319,12 @@ def _sound_rows(
             if counts_once and same in seen:
                 raise _Unsound("repeated-row", "the row repeats an earlier one.")
             velocity = _number(columns["velocity"], row)
-            if why := _WALKING.why("velocity", velocity):
-                raise _Unsound("setting-unit", f"{why[1]}.")
             setting = settings.of(row)
             order = _order(columns["order"], row) if "order" in columns else math.nan
             kept.append(_Trial(velocity, setting, labels[0][row], labels[1][row], order, row))
             seen.add(same)
         except _Unsound as error:
             wrong.setdefault(error.args, []).append(row)
-    in_other_unit = [(key[1], rows) for key, rows in wrong.items() if key[0] == "setting-unit"]
-    lost = sum(len(rows) for _, rows in in_other_unit)
-    if lost > _MOST * count:
-        text, rows = in_other_unit[0]
-        where = replace(table, name=str(table.path)).at(rows)
-        raise ScenarioError(f"{where}: {text} {lost} rows are like this")
     left_out = [
         Note(code, f"{table.at(rows)}: {text}", len(rows)) for (code, text), rows in wrong.items()
     ]
@@ -474,10 +449,6 @@ class _Settings:
             full = self.scenario.replace(changes)
         except ScenarioError as error:
             raise _Unsound("setting-refused", f"{error}.") from None
-        for name, entry in velocities().entries.items():
-            why = entry.plausible and entry.plausible.why(name, float(full.get(f"{_DRIVE}{name}")))
-            if why:
-                raise _Unsound("setting-unit", f"{why[1]}.")
         return tuple((key.name, full.get(key.name)) for key in settings().values())
 
 
@@ -485,10 +456,7 @@ def _without_outliers(name: str, velocity: Array, condition: Indices, left_out: 
     """Leave out trials that are outliers among the others of their condition."""
     far, level = far_from_their_group(velocity, condition)
     for k in np.flatnonzero(far):
-        factor = unit_factor(abs(velocity[k] / level[k]), _ALIKE) if level[k] else None
         text = f"{name}: a trial of {velocity[k]:.4g} m/s is far from the others of its condition, "
         text += f"which are near {level[k]:.4g} m/s"
-        if factor is not None:
-            text += f"; the factor of {factor_text(factor)} is that of a wrong unit"
         left_out.append(Note("outlier", f"{text}.", float(velocity[k])))
     return np.asarray(~far)

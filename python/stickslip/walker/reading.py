@@ -16,9 +16,8 @@ from stickslip._util.files import check_name
 from stickslip._util.messages import known_arguments, refuse, shown, suggestion
 from stickslip._util.note import Note
 from stickslip._util.prior import Prior
-from stickslip._util.recipes import Entry, Plausible, Recipe
+from stickslip._util.recipes import Recipe
 from stickslip._util.text import OneLine, printable
-from stickslip.diagnosis.data.outliers import marks_of_none
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import COIL_NAMES
 from stickslip.scenario.scenario import Scenario, loaded
@@ -56,15 +55,7 @@ _COLUMNS = {
     },
 }
 
-_MOST = {unit: Plausible(unit, high=1.0) for unit in "Tm"}
-"""Largest numbers of [[angle]] and [[field]], by their unit. Chosen: the coils make millitesla
-within decimetres, so beyond them a unit is wrong or a probe is saturated."""
-
-_RECIPES = {
-    observable: Recipe({name: Entry(unit, (), True, _MOST.get(unit))
-                        for name, unit in units.items()}, gaps=marks_of_none)
-    for observable, units in _COLUMNS.items()
-}  # fmt: skip
+_RECIPES = {observable: Recipe.of(units, units) for observable, units in _COLUMNS.items()}
 
 _REQUIRED = {"velocity": ("velocity",), "tracking": tuple(REQUIRED), **_COLUMNS}
 """The columns without which there is no table of an observable."""

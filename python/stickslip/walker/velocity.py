@@ -16,7 +16,6 @@ from stickslip._util.arrays import Array
 from stickslip._util.columns import index_labels
 from stickslip._util.messages import refuse
 from stickslip._util.note import Note
-from stickslip._util.units import far_size
 from stickslip.diagnosis.data.errors import along_runs, estimate
 from stickslip.diagnosis.data.noise import whitener
 from stickslip.diagnosis.data.settings import Settings
@@ -241,15 +240,6 @@ class VelocityTable(SimulatedTable):
         usual, measured = (float(np.median(np.abs(values))) for values in (stated, mean))
         if usual == 0.0 or measured == 0.0:
             return None
-        far = far_size(measured, usual, "m/s", "what the stated model gives")
-        if far is not None:
-            return Note("velocities-size", f"The velocities are {far}.", measured / usual)
-        fastest, most = float(np.max(np.abs(stated))), int(np.argmax(np.abs(self.mean)))
-        largest = abs(float(self.mean[most]))
-        far = far_size(largest, fastest, "m/s", "the stated model's fastest")
-        if far is not None and largest > fastest:
-            where = self.named_settings.words[most]
-            return Note("velocity-size", f"The velocity at {where} is {far}.", largest / fastest)
         cosine = float(stated @ mean / (np.linalg.norm(stated) * np.linalg.norm(mean)))
         if cosine < _OPPOSITE:
             text = (

@@ -6,8 +6,6 @@ they are alike, far from the readings before and after them.
 
 from __future__ import annotations
 
-import itertools
-import re
 from collections.abc import Iterable
 
 import numpy as np
@@ -25,12 +23,7 @@ _RECORD, _SINGLE, _SPANS, _WILD = 20, 3, 3.0, 1e6
 """Fewest readings of a record, most that are left out of it, and how many spans of all others they
 lie beyond these: single ones, and neighbours of one value. Chosen: no motion does the first for one
 reading, nor the second at all; what meters write for none does."""
-_ENDS = {end for bits in (16, 32) for half in (2.0 ** (bits - 1),)
-         for end in (-half, 1.0 - half, half - 1.0, 2.0 * half - 1.0)}  # fmt: skip
-_ENORMOUS, _MARK_SPANS = 1e20, 20.0
-"""Marks of meters for no value besides nines: ends of whole numbers, and larger than any size, as
-NumPy's 1e20; and spans of all others beyond which they are no value. Chosen: settings that are
-decades apart have ten."""
+
 FEW = 0.05
 """Part of the rows that may be left out. Chosen: where more are far it is the fit that is wrong, or
 the sensor."""
@@ -136,28 +129,6 @@ def _off_the_curve(
             return none
     none[at[lost]] = True
     return none
-
-
-def marks_of_none(values: Array) -> Mask:
-    """Which numbers stand for no value: -9999 and the like, far beyond what all others span."""
-    different = np.unique(values[np.isfinite(values)])
-    first = len(list(itertools.takewhile(_is_mark, different)))
-    last = len(different) - len(list(itertools.takewhile(_is_mark, different[::-1])))
-    if not 0 < last - first < len(different):
-        return np.zeros(len(values), dtype=bool)
-    low, high = float(different[first]), float(different[last - 1])
-    # Settings may be decades apart, but on one side of zero.
-    opposite = ((values < 0.0) & (low >= 0.0)) | ((values > 0.0) & (high <= 0.0))
-    beyond = np.abs(values - np.clip(values, low, high))
-    far = beyond > np.where(opposite, _SPANS, _MARK_SPANS) * (high - low)
-    marks = np.isin(values, np.concatenate([different[:first], different[last:]]))
-    return np.asarray(marks & far & (high > low))
-
-
-def _is_mark(value: float) -> bool:
-    """Whether it is written in nines alone, or is an end of a computer's numbers."""
-    nines = re.fullmatch(r"-?(999+\.0|99+\.9+)", repr(float(value)))
-    return nines is not None or abs(value) >= _ENORMOUS or value in _ENDS
 
 
 def far_readings(deviation: Array) -> Mask:

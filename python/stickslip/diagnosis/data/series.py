@@ -20,7 +20,6 @@ from stickslip._util.arrays import (
     locked,
     root_mean_square,
     row,
-    states_unit,
     unit_carried,
 )
 from stickslip._util.messages import known_arguments, refuse, shown
@@ -31,25 +30,19 @@ from stickslip.diagnosis.data.outliers import (
     FEW,
     alike_and_lost,
     far_from_all_others,
-    marks_of_none,
 )
 from stickslip.diagnosis.data.settings import Settings
 from stickslip.diagnosis.data.signal import Signal
 from stickslip.diagnosis.data.table import (
-    READINGS,
     Table,
     rows_in_words,
     stated_errors,
     without_gaps,
-    without_marks,
 )
 from stickslip.errors import ScenarioError
 
 if TYPE_CHECKING:
-    from typing_extensions import Self
-
-LATEST = 1e11
-"""Time, s since 1970, from which on it is in a smaller unit: the year 5138."""
+    pass
 
 STRETCHES = 12
 """Stretches into which each record is cut, and parts of all readings, to be held out in turn.
@@ -123,27 +116,19 @@ class Series(Table):
         given = {str(key): values for key, values in (inputs or {}).items()}
         check_indexes(self.at, {"t": t, "y": y, "sd": sd, **given})
         times = row(f"{self.at}t", t, unit="s")
-        if len(times) and abs(times[0]) >= LATEST:
-            refuse(f"{self.at}t", times[0].item(), "s; ms, us or ns since 1970 may be meant")
         count = len(times)
         late = np.flatnonzero(np.diff(times) <= 0.0)
         if len(late):
             before, time = times[late[0] : late[0] + 2].tolist()
             refuse(f"{self.at}t: row {late[0] + 1}", time, f"a time after {before!r}")
         notes: list[Note] = []
-        what = f"{self.at}y"
-        readings = without_marks(what, row(what, y, count, unit=unit, gaps=True), notes)
+        readings = row(f"{self.at}y", y, count, unit=unit, gaps=True)
         units = {key: _unit_of_input(values, unit) for key, values in given.items()}
         acting = {key: row(f"{self.at}inputs {key}", values, count, unit=units[key])
                   for key, values in given.items()}  # fmt: skip
         self.input_units = {key: each for key, each in units.items() if each is not None}
         own = {key: (values, units[key]) for key, values in given.items()}
         notes += conversions(self.at, {"t": (t, "s"), "y": (y, unit), "sd": (sd, unit), **own})
-        for key, values in acting.items():
-            for k in np.flatnonzero(marks_of_none(values))[:1].tolist():
-                what = f"{self.at}inputs {key}: row {k}"
-                text = "the value that acted; this looks like a mark for no value"
-                refuse(what, values[k].item(), text)
         stated = None if sd is None else stated_errors(f"{self.at}sd", sd, count, unit)
         gap = np.isnan(readings) | np.isnan(0.0 if stated is None else stated)
         self.own_notes = (*notes, *without_gaps(self.at, gap))
@@ -161,10 +146,6 @@ class Series(Table):
             whole = Series(times, read, acting, 1.0, self.name, self.repeat_of, unit=unit)
             self._take_of(whole, np.flatnonzero(~gap))
         self.stated = stated is not None
-        bare = {"t": t, **given}
-        if unit == "-":
-            bare[READINGS] = y
-        self.unstated = [key for key, values in bare.items() if not states_unit(values)]
         self.rows = np.flatnonzero(~gap)
         self._take(times, readings, acting, stated, ~gap)
 
@@ -237,14 +218,6 @@ class Series(Table):
         kept, made = np.arange(len(self)) < count, self.having()
         made._take(self.t, self.y, self.inputs, self.errors.sd, kept)
         return made.having(errors=replace(self.errors, sd=self.errors.sd[kept]))
-
-    def converted(self, column: str, per: float, zero: float = 0.0) -> Self:
-        """The same with a column in SI that was in another unit; see `Table`."""
-        made = super().converted(column, per, zero)
-        if column != READINGS:
-            made.t = made.settings["t"]
-            made.inputs = {key: made.settings[key] for key in self.inputs}
-        return made
 
     def signal(self, name: str, held: bool) -> Signal:
         """An input as it acts, where it is held between readings or else a line."""

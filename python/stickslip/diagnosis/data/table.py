@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from graphlib import CycleError, TopologicalSorter
 from typing import TYPE_CHECKING, Any
@@ -31,14 +30,12 @@ from stickslip._util.arrays import (
     representatives,
     root_mean_square,
     row,
-    states_unit,
 )
 from stickslip._util.messages import known_arguments, refuse
 from stickslip._util.note import Note
 from stickslip._util.text import counted
-from stickslip._util.units import far_size, unit_label
+from stickslip._util.units import unit_label
 from stickslip.diagnosis.data.errors import estimate, no_finer_than_the_meter
-from stickslip.diagnosis.data.outliers import marks_of_none
 from stickslip.diagnosis.data.settings import Settings
 from stickslip.errors import ScenarioError
 
@@ -61,16 +58,13 @@ _LIKENESS = 0.3
 """Part of the model's size within which changed readings are its own. Chosen: constants and causes
 of the usual size change predictions by less."""
 
-READINGS = ""
-"""Name of the readings among the columns of a table."""
-
 
 @known_arguments
 class Table:
     """Readings at settings. Rows with equal settings are repeats of one condition.
 
     Numbers are equal within 1e-6 of their size and of the spread of their column. A row with a gap
-    (masked, None, NaN, a mark such as -9999) is left out, and a note says so. Arrays are copied.
+    (masked, None, NaN) is left out, and a note says so. Arrays are copied.
 
     Parameters
     ----------
@@ -136,8 +130,6 @@ class Table:
     """Notes on what was read and is not used."""
     inputs: Mapping[str, Array] = {}
     """Inputs by name; only a record has such."""
-    unstated: Collection[str] = ()
-    """Columns whose unit the data do not state."""
     less: tuple[Table, Indices] | None = None
     """A table and its conditions whose readings are taken off."""
     drawable = True
@@ -154,7 +146,7 @@ class Table:
         beside = {"y": y, "sd": sd, "block": block, "run": run}
         check_indexes(at, {**beside, "settings": settings, **(columns or {})})
         notes: list[Note] = []
-        readings = without_marks(f"{at}y", row(f"{at}y", y, unit=unit, gaps=True), notes)
+        readings = row(f"{at}y", y, unit=unit, gaps=True)
         count = len(readings)
         gap = np.isnan(readings)
         given = _of_array(f"{at}settings", settings, count) if columns is None else columns
@@ -164,9 +156,6 @@ class Table:
         for key, values in given.items():
             what = f"{at}settings {key}"
             read[key], missing = column(what, values, count)
-            if read[key].dtype.kind == "f":
-                read[key] = without_marks(what, read[key], notes)
-                missing = np.isnan(read[key])
             gap = gap | missing
         stated = None if sd is None else stated_errors(f"{at}sd", sd, count, unit)
         gap = gap if stated is None else gap | np.isnan(stated)
@@ -191,9 +180,6 @@ class Table:
         self.mean, self.errors = estimate(self.y, self.condition, sd=stated, run=runs, block=blocks)
         if sd is None:
             self.errors = no_finer_than_the_meter(self.y, self.condition, self.errors, unit)
-        carried = {key: states_unit(values) for key, values in given.items()}
-        carried[READINGS] = unit != "-" or states_unit(y)
-        self.unstated = [key for key in self.quantities if not carried[key]]
         self.rows, self._labels = np.flatnonzero(~gap), {"sd": stated, "block": blocks, "run": runs}
         self.own_notes = tuple(notes)
         placed = None if runs is None else _along_runs(self.condition, runs)
@@ -216,7 +202,6 @@ class Table:
         else:
             settings = settings[kept]
         made = Table(settings, self.y[kept], **beside, name=self.name, unit=self.unit)
-        made.unstated = self.unstated
         return made._less(self, kept, why)
 
     def _less(self, whole: Table, kept: Mask, why: str) -> Self:
@@ -350,14 +335,11 @@ class Table:
 
         Only a nearly perfect likeness counts: what is between is a matter of causes.
         """
-        for rows, what, unit in self._parts():
+        for rows, what in self._parts():
             y, model = self.mean[rows], stated[rows]
-            size, read = root_mean_square(model), root_mean_square(y)
+            size = root_mean_square(model)
             if not np.isfinite(size) or size == 0.0:
                 continue
-            far = far_size(read, size, unit, "the stated model's") if unit else None
-            if far is not None:
-                return Note("readings-size", f"{what} is {far}.", read / size)
             if root_mean_square(y - model) < size:
                 continue
             for changed, code, text in self._changes(y):
@@ -365,41 +347,13 @@ class Table:
                     return Note(code, f"{what} would fit the stated model if it were {text}.")
         return None
 
-    def _parts(self) -> list[tuple[Indices | slice, str, str]]:
-        """Conditions to compare, what they are called, and the unit in which a size may be wrong.
-
-        Without a unit a size is a matter of causes.
-        """
-        return [(slice(None), "The table", "")]
+    def _parts(self) -> list[tuple[Indices | slice, str]]:
+        """Conditions to compare, and what they are called."""
+        return [(slice(None), "The table")]
 
     def _changes(self, y: Array) -> Iterator[tuple[Array, str, str]]:
         """Readings as they may have been meant, with the code of the note and its words."""
         yield -y, "readings-reversed", "of the other sign"
-
-    # ------------------------------------------------------------------ units
-    @property
-    def quantities(self) -> list[str]:
-        """Names of all columns of numbers."""
-        settings = self.settings if isinstance(self.settings, dict) else {}
-        return [READINGS, *(key for key, values in settings.items() if values.dtype.kind == "f")]
-
-    def converted(self, column: str, per: float, zero: float = 0.0) -> Self:
-        """The same with a column converted to SI, as if its numbers were in another unit.
-
-        `per` of that unit are one SI unit, whose 0 is `zero` in it. Errors of the readings follow.
-        """
-        changes: dict[str, Any] = {}
-        if self.whole is not None:
-            changes["whole"] = self.whole.converted(column, per, zero)
-        if column == READINGS:
-            errors = self.errors
-            changes["y"], changes["mean"] = (locked((y - zero) / per) for y in (self.y, self.mean))
-            sizes = {key: one / (per if key == "s0" else 1.0) for key, one in errors.sizes.items()}
-            covariance = None if errors.covariance is None else errors.covariance / per**2
-            made = replace(errors, sd=errors.sd / per, covariance=covariance, sizes=sizes)
-            return self.having(**changes, errors=made)
-        values = locked((np.asarray(self[column]) - zero) / per)
-        return self.having(settings={**self.settings, column: values}, **changes)
 
     def having(self, **changes: Any) -> Self:
         """The same with other attributes."""
@@ -445,17 +399,6 @@ def stated_errors(what: str, sd: ArrayLike, count: int, unit: str) -> Array:
     if values.shape not in ((), (count,)) or not np.all(np.isnan(values) | (values > 0.0)):
         refuse(what, sd, f"a number above 0, or {count} of them")
     return np.broadcast_to(values, (count,))
-
-
-def without_marks(what: str, values: Array, notes: list[Note]) -> Array:
-    """Values with NaN for what stands for no value, such as -9999, and a note on these."""
-    marks = marks_of_none(values)
-    if not marks.any():
-        return values
-    rows = np.flatnonzero(marks)
-    text = f"{what}: {rows_in_words(rows)}: {values[rows[0]]:g} stands for no value."
-    notes.append(Note("marks-of-none", text, len(rows)))
-    return np.where(marks, np.nan, values)
 
 
 def without_gaps(at: str, gap: Mask) -> list[Note]:

@@ -8,7 +8,7 @@ from typing import Any, TypedDict
 
 import numpy as np
 
-from stickslip._util.units import mistaken, unit_label
+from stickslip._util.units import unit_label
 from stickslip.diagnosis.decision.candidate import Candidate, spread_of
 from stickslip.diagnosis.decision.facts import Facts
 from stickslip.diagnosis.decision.posterior import SURE
@@ -16,16 +16,12 @@ from stickslip.diagnosis.decision.verdict import DOMINANT
 from stickslip.diagnosis.terms import amounts
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.curve import CURVE, SHAPES, Curve
-from stickslip.diagnosis.terms.parameter import Parameter
 from stickslip.diagnosis.terms.words import of_side
 
 _POINTS = 41  # of the curve of a law
 _NO_NEWS = 0.9  # of its prior's error, from which on data tell nothing of a shape; chosen
 _FURTHER = 0.01  # probability from which on a further cause is named
 _MOST_OF_IT = 0.5  # share from which on a sure cause is said to act, with something beside it
-# Errors of a constant, and part of it, within which its ratio is that of two units. Chosen: 20 %
-# are no unit.
-_NEAR, _NEAREST = 2.0, 0.1
 _OF_MODEL = ("value", "sd", "low", "high")
 
 Rows = dict[str, dict[str, Any]]
@@ -121,8 +117,6 @@ def _claim(facts: Facts, candidate: Candidate) -> dict[str, Any]:
         sizes = {name: rows[name] for name in cause.names}
         told: dict[str, Any] = facts.words.description(cause, sizes)
         causes.append(told | _otherwise(facts, candidate, cause, sizes))
-        if cause.is_constant:
-            causes[-1]["finding"] += _in_another_unit(known[cause.names[0]], sizes[cause.names[0]])
     return {"candidate": candidate.name, "title": facts.words.title(candidate.name),
             "probability": facts.chance.models[candidate.name], "causes": causes}  # fmt: skip
 
@@ -145,15 +139,6 @@ def _otherwise(facts: Facts, candidate: Candidate, cause: Cause, sizes: Rows) ->
         what = what if what.startswith("`") else f"The {what}"
         told["finding"] = f"{what} {moved}, by {words.size(of, abs(far), *error)}."
     return told
-
-
-def _in_another_unit(constant: Parameter, row: dict[str, Any]) -> str:
-    """A sentence on a constant that is off by the factor of a unit, within its errors."""
-    (stated, beside), value = constant.value(np.array([0.0, 1.0])).tolist(), row["value"]
-    if not stated or not value:
-        return ""
-    within = min(_NEAR * math.hypot(beside / stated - 1.0, row["sd"] / value), _NEAREST)
-    return f" {mistaken(value / stated, within)}".rstrip()
 
 
 def _left(facts: Facts, candidate: Candidate) -> list[str]:
