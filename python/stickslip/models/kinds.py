@@ -89,6 +89,7 @@ def _sensors(*names: str, slow: str = "", zero: bool = False, size: float = 0.05
 
 
 _BY_CURRENT = "where it is stated, the input is a current, A"
+_STATED = "state {0}=(VALUE, ERROR) (--set {0}=VALUE,ERROR)"
 _COUPLING = Term("coupling", "W/K", "coupling of the heater", 20.0, "loss")
 _WALL = Term("wall_coupling", "W/K", "coupling of the wall", 20.0, "loss")
 
@@ -107,7 +108,7 @@ KINDS = {
             {"speed": (1, 1), "angle": (0, 0), "load speed": (3, 1), "load angle": (2, 0)},
             {"torque": "N m"}, _sensors("torque", "current", zero=True),
             inertia="inertia", drives=("torque",), placed=frozenset({"gravity"}),
-            also={"angle": ("position",)}, needs={"current": ("A", "torque_constant")},
+            needs={"current": ("A", _STATED.format("torque_constant"))},
         ),
         Kind(
             "axis", axis_states,
@@ -129,7 +130,7 @@ KINDS = {
             {"position": (0, 0), "speed": (1, 1), "load position": (2, 0), "load speed": (3, 1)},
             {"command": "V or N or -"}, _sensors("command", "current", slow="motor"),
             inertia="mass", drives=("command",), per_command="gain",
-            needs={"current": ("A", "force_constant")},
+            needs={"current": ("A", _STATED.format("force_constant"))},
         ),
         Kind(
             "pendulum", pendulum_states,
@@ -147,7 +148,7 @@ KINDS = {
             (("start_position", "rad"), ("start_speed", "rad/s")),
             {"angle": (0, 0), "speed": (1, 1)},
             {"pivot": "m/s^2"}, _sensors("pivot", slow="-", zero=True),
-            per_command="1 / length", placed=frozenset({"length"}), also={"angle": ("position",)},
+            per_command="1 / length", placed=frozenset({"length"}),
         ),
         Kind(
             "oscillator", oscillator_states,
@@ -236,15 +237,14 @@ KINDS = {
 """The table, by name."""
 
 
-def _driven(kind: Kind, known: Mapping[str, Known]) -> Kind:
-    """The kind, driven by what it `needs` a constant for if that is stated."""
-    ((name, (unit, constant)),) = kind.needs.items()
+def _driven(kind: Kind, constant: str, known: Mapping[str, Known]) -> Kind:
+    """The kind, driven by a current if the constant for that is stated."""
     if constant not in known:
         return kind
-    ((first, other),) = kind.inputs.items()
     terms = tuple(term for term in kind.terms if term.name != kind.per_command)
-    return replace(kind, terms=terms, inputs={name: unit}, drives=(name,), per_command=constant,
-                   needs={first: (other, f"no {constant}")})  # fmt: skip
+    needs = {name: (unit, f"state no {constant}") for name, unit in kind.inputs.items()}
+    return replace(kind, terms=terms, inputs={"current": "A"}, drives=("current",),
+                   per_command=constant, needs=needs)  # fmt: skip
 
 
 _ARGUMENTS = """\
@@ -305,10 +305,8 @@ def joint(
     -----
     Stops, reversals and contacts are events, found to 1e-11 of how far a step goes beyond them.
     Between them steps are exact where the terms are linear, and of order 5 with `stribeck`,
-    `quadratic` or `gravity`, also with ``smooth=True`` and whenever an input is late. 25 000
-    readings of one vector take 2 to 4 ms, and 7 to 13 ms with terms of order 5, which takes shorter
-    steps where they change fast. Friction as in Armstrong-Helouvry et al., Automatica 30 (1994)
-    1083.
+    `quadratic` or `gravity`, also with ``smooth=True`` and whenever an input is late. Friction as
+    in Armstrong-Helouvry et al., Automatica 30 (1994) 1083.
 
     Examples
     --------
@@ -319,7 +317,7 @@ def joint(
     >>> joint.simulate(t, {"torque": np.array([0.2, 0.2, 0.0, 0.0])}).round(3).tolist()
     [0.0, 0.158, 0.216, 0.0]
     """
-    return made(_driven(KINDS["joint"], known), reads, smooth, without, known)
+    return made(_driven(KINDS["joint"], "torque_constant", known), reads, smooth, without, known)
 
 
 @_documented
@@ -330,18 +328,14 @@ def axis(
 
     ``mass a = gain command - viscous v - friction - load``, for a `Series` with the input
     ``command``, in V or, with a gain of 1, in N; or ``current``, A, with a `force_constant` in
-    place of the gain. Each effect that is not stated is a cause, as for
-    a `joint`, and so are a late command, a slow motor and a slow sensor. Only the ratios of the
-    mass to the gain and to friction act. The motor's own braking belongs to `viscous`; a slope is
-    a load. An axis that turns is a `joint`, or a `servo`.
+    place of the gain. Each effect that is not stated is a cause, as for a `joint`, and so are a
+    late command, a slow motor and a slow sensor. Only the ratios of the mass to the gain and to
+    friction act. The motor's own braking belongs to `viscous`; a slope is a load. An axis that
+    turns is a `joint`, or a `servo`. Steps are exact as far as those of a `joint` are.
 
     ARGUMENTS
-
-    Notes
-    -----
-    Exact as far as a `joint` is.
     """
-    return made(_driven(KINDS["axis"], known), reads, smooth, without, known)
+    return made(_driven(KINDS["axis"], "force_constant", known), reads, smooth, without, known)
 
 
 @_documented
@@ -353,13 +347,10 @@ def pendulum(
     ``length a = -gravity_acceleration sin(angle) - pivot cos(angle)`` and damping, for a `Series`
     without input or with the acceleration ``pivot``, m/s^2. An angle of 0 hangs. Each effect, per
     unit of inertia, that is not stated is a cause, and so are a wrong zero of the angle, a slow
-    sensor and a late pivot.
+    sensor and a late pivot. Steps are of order 5 (Dormand and Prince) between reversals, which are
+    events.
 
     ARGUMENTS
-
-    Notes
-    -----
-    Steps are of order 5 (Dormand and Prince) between reversals, which are events.
     """
     return made(KINDS["pendulum"], reads, smooth, without, known)
 
@@ -394,13 +385,10 @@ def thermal(*, smooth: bool = False, without: Sequence[str] = (), **known: Known
     `Series` with the input ``power``, W, and perhaps ``ambient``. With a `heater_capacity` the
     power warms the heater first, which warms the body by `coupling`; with a `wall_capacity` the
     body warms a wall by `wall_coupling`. Each effect that is not stated is a cause, and so are a
-    wrong zero, a slow thermometer and a late power.
+    wrong zero, a slow thermometer and a late power. Steps are exact, and of order 5 with
+    `loss_growth`.
 
     ARGUMENTS
-
-    Notes
-    -----
-    Steps are exact, and of order 5 with `loss_growth`.
     """
     return made(KINDS["thermal"], "temperature", smooth, without, known)
 

@@ -44,12 +44,6 @@ _READ = {"actual", "act", "measured", "meas", "feedback", "fb", "read", "ist", "
 """Words in the names of columns that were asked for, and of those that were read."""
 
 
-def to_state(constant: str) -> str:
-    """How to state a constant, in Python and by the command; or that there is to be none."""
-    how = f"=(VALUE, ERROR) (--set {constant}=VALUE,ERROR)"
-    return f"state {constant}{how if ' ' not in constant else ''}"
-
-
 class Columns(NamedTuple):
     """Columns of a log that a model takes.
 
@@ -212,10 +206,10 @@ class _Log(Recipe):
 
     def _check_needs(self, there: Sequence[_Heading]) -> None:
         """Refuse a column of what drives the model only if more is stated of it."""
-        for each, (name, (units, constant)) in product(there, self.wanted.needs.items()):
+        for each, (name, (units, remedy)) in product(there, self.wanted.needs.items()):
             is_called = each.unit is None and plain(each.bare).split()[-1:] == [name]
             if is_called or each.fits(units.split(" or ")):
-                raise ScenarioError(f"column {shown(each.text)} is a {name}: {to_state(constant)}")
+                raise ScenarioError(f"column {shown(each.text)} is a {name}: {remedy}")
 
     def _check_meaning(self, column: str, found: _Heading, there: Sequence[_Heading]) -> None:
         """Refuse a name beside one of the same that was read: it may be what was asked for."""
@@ -253,12 +247,12 @@ class _Log(Recipe):
         )
 
     def _other_reading(self, there: Sequence[_Heading]) -> str | None:
-        """What the model could read of some columns: by a name, or else by a unit."""
+        """What the model could read of some columns: by a name, or else by another unit."""
         pairs = [*product(self.also_reads.items(), there)]
-        named = (name for (name, _), each in pairs
-                 if plain(each.bare) in (plain(name), *self.wanted.also.get(name, ())))  # fmt: skip
-        of_unit = (name for (name, unit), each in pairs
-                   if each.fits([unit]) and not each.words & _ASKED)  # fmt: skip
+        named = (name for (name, unit), each in pairs if plain(each.bare) in (
+                 plain(name), "position" if unit == "rad" != self.wanted.unit else ""))  # fmt: skip
+        of_unit = (name for (name, unit), each in pairs if unit != self.wanted.unit
+                   and each.fits([unit]) and not each.words & _ASKED)  # fmt: skip
         return next(named, next(of_unit, None))
 
     def notes(self, table: SourceTable) -> list[Note]:

@@ -22,7 +22,7 @@ from stickslip.diagnosis.terms import instruments
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import LARGEST_ERROR, Parameter
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.models.log import Columns, to_state
+from stickslip.models.log import Columns
 from stickslip.models.physics import Inputs
 
 Known = float | tuple[float, float] | Prior | Mapping[str, float]
@@ -179,9 +179,9 @@ class Kind:
     placed : frozenset of str
         Effects by which readings depend on the first start state, though another one is read.
     also : dict
-        What else columns of logs are called, by reading or input.
+        What else columns of logs are called, by input.
     needs : dict
-        Of what else may drive it, by name: the unit, and the constant to be stated for that.
+        Of what else may drive it, by name: the unit, and what to state for that.
     """
 
     name: str
@@ -442,7 +442,7 @@ class Model(OneLine):
             if name not in known:
                 allowed = " and ".join(f"{key} ({unit_of})" for key, unit_of in known.items())
                 if name in self.kind.needs:
-                    allowed += f"; for a {name} {to_state(self.kind.needs[name][1])}"
+                    allowed += f"; for a {name} {self.kind.needs[name][1]}"
                 raise ScenarioError(
                     f"{record.at}input {name}: a {self.kind.name} has {allowed}{meant(name, known)}"
                 )
