@@ -768,7 +768,10 @@ def test_currents_tell_only_ratios_of_constants():
     y, i = of_currents()
     found = of_the_motor(y, {"current": i}, torque_constant=(0.05, 0.001), inertia=(0.002, 1e-4))
     assert found.verdict.kind == "none"
-    assert "Of torque_constant, inertia and viscous the data tell only ratios" in found.summary()
+    (group,) = found.cannot_tell.groups
+    assert set(group.names) == {"torque_constant", "inertia", "viscous"}
+    assert len(group.known) == 2
+    assert "the data tell only ratios" in found.summary()
 
 
 @pytest.mark.nightly
@@ -787,6 +790,12 @@ def test_what_is_wrong_with_a_current_is_named(key, true, size):
 
 def test_a_current_acts_as_its_force_at_every_bend():
     i, more = random(33).uniform(-2.0, 2.0, len(T)), {"dead_zone": 0.3, "saturation": 1.1}
+    for first in (-0.0, 0.0):  # on either side of the gap
+        i[0] = first
+        known = {"inertia": 0.1, "backlash": 0.2, "reads": "load angle"}
+        found = models.joint(torque_constant=0.5, **known).simulate(T, {"current": i})
+        same = models.joint(**known).simulate(T, {"torque": 0.5 * i})
+        np.testing.assert_array_equal(found, same)
     for smooth in (False, True):
         known = {"mass": 2.0, "smooth": smooth, **more}
         found = models.axis(force_constant=3.0, **known).simulate(T, {"current": i})

@@ -347,8 +347,7 @@ def pendulum(
     ``length a = -gravity_acceleration sin(angle) - pivot cos(angle)`` and damping, for a `Series`
     without input or with the acceleration ``pivot``, m/s^2. An angle of 0 hangs. Each effect, per
     unit of inertia, that is not stated is a cause, and so are a wrong zero of the angle, a slow
-    sensor and a late pivot. Steps are of order 5 (Dormand and Prince) between reversals, which are
-    events.
+    sensor and a late pivot. Steps are of order 5 (Dormand and Prince) from reversal to reversal.
 
     ARGUMENTS
     """
@@ -385,8 +384,7 @@ def thermal(*, smooth: bool = False, without: Sequence[str] = (), **known: Known
     `Series` with the input ``power``, W, and perhaps ``ambient``. With a `heater_capacity` the
     power warms the heater first, which warms the body by `coupling`; with a `wall_capacity` the
     body warms a wall by `wall_coupling`. Each effect that is not stated is a cause, and so are a
-    wrong zero, a slow thermometer and a late power. Steps are exact, and of order 5 with
-    `loss_growth`.
+    wrong zero, a slow thermometer and a late power. Steps are exact; of order 5 with `loss_growth`.
 
     ARGUMENTS
     """

@@ -122,8 +122,9 @@ def _moved(inputs: Inputs, t: Array, values: _Named, inertia: str, force: Array)
 
 
 def joint_states(t: Array, inputs: Inputs, values: _Named) -> Array:
-    torque = inputs.of("torque") + values["torque_constant"] * inputs.of("current")
-    return _moved(inputs, t, values, "inertia", torque)
+    per = values["torque_constant"] if "current" in inputs.values else 1.0
+    acts = inputs.of(next(iter(inputs.values), "torque"))
+    return _moved(inputs, t, values, "inertia", per * acts)
 
 
 def axis_states(t: Array, inputs: Inputs, values: _Named) -> Array:
