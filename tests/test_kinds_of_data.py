@@ -67,7 +67,7 @@ DOORS = {
         with_units(table, lambda v, unit: None if unit in NO_PINT else pint.Quantity(v, unit)),
         model),
 }  # fmt: skip
-NO_PINT = ("mm:ss", "r/min", "Nm", "deg C", "Celsius", "%", "ºC", "℃")
+NO_PINT = ("mm:ss", "r/min", "Nm", "deg C", "Celsius", "%", "ºC", "℃", "rev/4096")
 
 
 def joint(t="t (s)", times=T, speed="speed (rad/s)", read=SPEED, torque="torque (N m)", **more):
@@ -130,6 +130,54 @@ LOGS = {
     "temperature in degF": ({"t (s)": T, "power (W)": TORQUE + 1.0, "temperature (degF)": 68.0 + T},
                             HEATER, ("y", 20.0 + T / 1.8), "converted"),
 }  # fmt: skip
+
+
+ASKED = "state {0}=(VALUE, ERROR) (--set {0}=VALUE,ERROR)"
+BY_CURRENT = models.joint(inertia=0.1, torque_constant=0.05)
+AXIS, DRIVEN = models.axis(mass=1.0, gain=2.0), models.axis(mass=1.0, force_constant=2.0)
+NO_SPEED = {"t (s)": T, "torque (N m)": TORQUE}
+# Columns that state another quantity than the missing one, a model, and what is to be stated.
+OTHERS = {
+    **{f"{heading} for a torque": (
+        {"t (s)": T, "speed (rad/s)": SPEED, heading: TORQUE}, JOINT,
+        ASKED.format("torque_constant")) for heading in
+       ("current (A)", "current (mA)", "i_q (A)", "torque (A)", "current", "motor_current_mA")},
+    **{f"{heading} for a command": (
+        {"t (s)": T, "position (mm)": SPEED, heading: TORQUE}, AXIS,
+        ASKED.format("force_constant")) for heading in ("current (mA)", "command (A)")},
+    "a torque for a current": (joint(), BY_CURRENT, "state no torque_constant"),
+    "a force for a current": ({"t (s)": T, "position (m)": T, "force (N)": TORQUE}, DRIVEN,
+                              "state no force_constant"),
+    **{f"{heading} for a speed": ({**NO_SPEED, heading: ANGLE}, JOINT,
+                                  'with reads="angle" (--set reads=angle) the model reads that')
+       for heading in ("position (deg)", "encoder (rev/4096)", "position (rad)", "position")},
+    "a speed for an angle": ({**NO_SPEED, "velocity (deg/s)": SPEED}, TURNING, 'reads="speed"'),
+    "a speed for a position": ({"t (s)": T, "command (V)": T, "v (mm/s)": T}, AXIS,
+                               'reads="speed"'),
+    "a way for a speed": ({**NO_SPEED, "way (mm)": T}, JOINT, 'column "speed" is missing'),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("door", DOORS)
+@pytest.mark.parametrize("kind", OTHERS)
+def test_a_column_that_states_another_quantity_is_not_to_be_renamed(kind, door, tmp_path):
+    table, model, said = OTHERS[kind]
+    with pytest.raises(ScenarioError) as error:
+        DOORS[door](table, model, tmp_path)
+    text = str(error.value)
+    assert said in text
+    assert not [each for each in ("call one", "\n") if each in text]
+
+
+@pytest.mark.parametrize("door", DOORS)
+def test_a_current_is_read_in_its_unit_and_an_angle_by_its_unit(door, tmp_path):
+    whole = np.round(900.0 * SPEED)
+    table = {"t (s)": T, "position (deg)": np.degrees(ANGLE)}
+    model = models.joint(inertia=0.1, torque_constant=0.05, reads="angle")
+    a = DOORS[door]({**table, "current (A)": whole / 1000.0}, model, tmp_path)
+    ma = DOORS[door]({**table, "motor (mA)": whole}, model, tmp_path)
+    np.testing.assert_array_equal(a["current"], ma["current"])
+    np.testing.assert_allclose(a.y, ANGLE, rtol=1e-9)
 
 
 @pytest.mark.parametrize("door", DOORS)

@@ -735,6 +735,74 @@ def test_what_is_stated_is_a_constant_and_what_is_not_is_a_cause():
     assert {"start_position", "start_speed"} <= {each.name for each in free[0]}
 
 
+MOTOR = {"inertia": 0.002, "viscous": 0.004, "torque_constant": 0.05}
+KNOWN = {"inertia": (0.002, 2e-5), "viscous": (0.004, 4e-4),
+         "without": ["viscous_asymmetry", "asymmetry", "stribeck", "quadratic", "backlash",
+                     "compliance", "gravity"]}  # fmt: skip
+
+
+def of_currents(late=0, **more):
+    """A log of a motor, and its currents."""
+    i = staircase(31, 4.0, 20, 300)
+    y = models.joint(**MOTOR | more).simulate(0.01 * np.arange(300), {"current": np.roll(i, late)})
+    return y + 0.02 * np.std(y) * random(32).standard_normal(300), i
+
+
+def of_the_motor(y, inputs, **known):
+    log = Series(0.01 * np.arange(300), y, inputs, unit="rad/s")
+    return diagnose_model(models.joint(**KNOWN | known), log)
+
+
+def test_a_cause_hidden_in_currents_is_that_of_their_torques():
+    y, i = of_currents(coulomb=0.02)
+    found = of_the_motor(y, {"current": i}, torque_constant=0.05)
+    assert (found.verdict.kind, found.verdict.causes) == ("named", ("coulomb",))
+    low, high = found.conf_int(0.998).loc["coulomb", ["low", "high"]]
+    assert low < 0.02 < high
+    same = of_the_motor(y, {"torque": 0.05 * i})
+    assert same.verdict.causes == found.verdict.causes
+    np.testing.assert_array_equal(same.params["value"], found.params["value"])
+
+
+def test_currents_tell_only_ratios_of_constants():
+    y, i = of_currents()
+    found = of_the_motor(y, {"current": i}, torque_constant=(0.05, 0.001), inertia=(0.002, 1e-4))
+    assert found.verdict.kind == "none"
+    (group,) = found.cannot_tell.groups
+    assert set(group.names) == {"torque_constant", "inertia", "viscous"}
+    assert len(group.known) == 2
+    assert "the data tell only ratios" in found.summary()
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(("key", "true", "size"), [
+    ("torque_constant", {"torque_constant": 0.055}, 0.055),
+    ("late current", {"late": 2}, 0.02)])  # fmt: skip
+def test_what_is_wrong_with_a_current_is_named(key, true, size):
+    y, i = of_currents(coulomb=0.02, **true)
+    found = of_the_motor(y, {"current": i}, torque_constant=(0.05, 0.001), inertia=0.002,
+                         coulomb=0.02)  # fmt: skip
+    assert (found.verdict.kind, found.verdict.causes) == ("named", (key,))
+    name = "late current.time" if key == "late current" else key
+    low, high = found.conf_int(0.998).loc[name, ["low", "high"]]
+    assert low < size < high
+
+
+def test_a_current_acts_as_its_force_at_every_bend():
+    i, more = random(33).uniform(-2.0, 2.0, len(T)), {"dead_zone": 0.3, "saturation": 1.1}
+    for first in (-0.0, 0.0):  # on either side of the gap
+        i[0] = first
+        known = {"inertia": 0.1, "backlash": 0.2, "reads": "load angle"}
+        found = models.joint(torque_constant=0.5, **known).simulate(T, {"current": i})
+        same = models.joint(**known).simulate(T, {"torque": 0.5 * i})
+        np.testing.assert_array_equal(found, same)
+    for smooth in (False, True):
+        known = {"mass": 2.0, "smooth": smooth, **more}
+        found = models.axis(force_constant=3.0, **known).simulate(T, {"current": i})
+        np.testing.assert_array_equal(
+            found, models.axis(gain=3.0, **known).simulate(T, {"command": i}))  # fmt: skip
+
+
 @pytest.mark.parametrize("length", [0.01, 50.0])
 def test_usual_sizes_of_a_pendulum_are_those_of_one_of_another_length(length):
     def sizes(length):
@@ -755,6 +823,8 @@ def test_every_term_is_in_the_docstring_and_acts(name):
     inputs = {next(iter(model.kind.inputs)): rng.uniform(-1.0, 1.0, len(T))}
     states = {key: 0.3 for key, _ in model.kind.states}
     dull = {"load_share", "damping_ratio", "stribeck_speed", "coupling", "wall_coupling"}
+    if model.kind.needs:  # a constant of another input
+        dull |= {"torque_constant", "force_constant"}
     base = model.simulate(T, inputs, **states)
     for key, term in model.kind.every.items():
         assert key in text
@@ -768,6 +838,10 @@ def test_every_term_is_in_the_docstring_and_acts(name):
 LOG = Series(T, T, {"torque": T}, unit="rad/s")
 # What the command refuses as well, `refusals.cli` has.
 BAD = {
+    "a current without its constant": (
+        lambda: models.joint(inertia=1.0).terms(Series(T, T, {"current": T}, unit="rad/s")),
+        "has torque .N m.; for a current state torque_constant=.VALUE, ERROR."),
+    "a gain beside": (lambda: models.axis(mass=1.0, gain=2.0, force_constant=2.0), "is no gain"),
     "a negative constant": (lambda: models.axis(mass=-1.0), "mass = -1.0: allowed is a value"),
     "a negative size": (lambda: models.joint(inertia=1.0, viscous=-1.0), "viscous = -1.0.*from 0"),
     "no error": (lambda: models.joint(inertia=(1.0, 0.0)), "joint: inertia: mean = 1.*sd = 0"),

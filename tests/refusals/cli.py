@@ -193,6 +193,8 @@ REFUSALS = [
     ("log", {1: "t,v,torque"}, ['column "speed" is missing', '"v"', 'call one "speed (rad/s)"']),
     ("log", {1: "t,a (rad/s),b (rad/s)"}, ['column "speed" is missing', "a (rad/s)"]),
     ("log", {1: "t,speed,a (N m),b (N m)"}, ['"torque" is missing', 'call one "torque (N m)"']),
+    ("log", {1: "t (s),speed (rad/s),current (mA)"}, "(--set torque_constant=VALUE,ERROR)"),
+    ("log", {1: "t (s),position [deg],torque (N m)"}, "(--set reads=angle)"),
     ("log", dict.fromkeys(range(1, 12), ""), "log.csv: is empty"),
     ("log", "--model jont", ["--model jont: allowed is joint", 'did you mean "joint"?']),
     ("log", "--model joint", ["joint: inertia is missing", "kg m^2", "--set",

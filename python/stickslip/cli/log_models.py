@@ -84,7 +84,7 @@ def model_file(name: str, file: Path) -> str:
     model = getattr(models, name)(**{term.name: (1.0, 0.1) for term in constants})
     effects = [term for term in terms if term.size]
     others = [term for term in terms if term not in constants and term not in effects]
-    sensors = ", ".join(sensor.name for sensor in kind.sensors)
+    sensors = ", ".join(dict.fromkeys(sensor.name for sensor in kind.sensors))
     reads = " or ".join(f'"{quantity}"' for quantity in kind.reads if quantity != model.reads)
     about = str(getattr(models, name).__doc__).split("\n", 1)[0]
     lines = [

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -75,18 +76,20 @@ def _transmission(force: str, of: str, compliance: str) -> tuple[Term, ...]:
     )  # fmt: skip
 
 
-def _sensors(name: str, *, slow: str = "", zero: bool = False, size: float = 0.05,
+def _sensors(*names: str, slow: str = "", zero: bool = False, size: float = 0.05,
              meter: str = "sensor", scale: bool = True) -> tuple[Sensor, ...]:  # fmt: skip
-    """Usual errors of instruments, and of the input of that name; `slow` is what lags there."""
+    """Usual errors of instruments and inputs; `slow` is what lags there, "-" if nothing."""
     return (
         *([Sensor("zero", offset, 0.05, "reading", has_unit=True)] if zero else []),
         *([Sensor("scale", instruments.scale, 0.05)] if scale else []),
-        Sensor(f"late {name}", delay, size, "time", name),
-        *([Sensor(f"slow {slow}", lag, size, "time", name)] if slow else []),
+        *(Sensor(f"late {name}", delay, size, "time", name) for name in names),
+        *(Sensor(f"slow {slow or name}", lag, size, "time", name) for name in names if slow != "-"),
         Sensor(f"slow {meter}", lag, size, "time", told=slow_in_words),
     )
 
 
+_BY_CURRENT = "where it is stated, the input is a current, A"
+_STATED = "state {0}=(VALUE, ERROR) (--set {0}=VALUE,ERROR)"
 _COUPLING = Term("coupling", "W/K", "coupling of the heater", 20.0, "loss")
 _WALL = Term("wall_coupling", "W/K", "coupling of the wall", 20.0, "loss")
 
@@ -97,13 +100,15 @@ KINDS = {
             "joint", joint_states,
             (
                 Term("inertia", "kg m^2", "inertia", more="of motor and load"),
+                Term("torque_constant", "N m/A", "torque constant", value=0.0, more=_BY_CURRENT),
                 *_transmission("N m", "rad", "rad/(N m)"),
                 Term("gravity", "N m", "a load that hangs", 0.1, "force", signed=True),
             ),
             (("start_position", "rad"), ("start_speed", "rad/s")),
             {"speed": (1, 1), "angle": (0, 0), "load speed": (3, 1), "load angle": (2, 0)},
-            {"torque": "N m"}, _sensors("torque", slow="torque", zero=True),
+            {"torque": "N m"}, _sensors("torque", "current", zero=True),
             inertia="inertia", drives=("torque",), placed=frozenset({"gravity"}),
+            needs={"current": ("A", _STATED.format("torque_constant"))},
         ),
         Kind(
             "axis", axis_states,
@@ -111,6 +116,7 @@ KINDS = {
                 Term("mass", "kg", "mass", more="of all that moves"),
                 Term("gain", "N", "force of the motor", value=1.0,
                      more="at rest, for a unit of the command"),
+                Term("force_constant", "N/A", "force constant", value=0.0, more=_BY_CURRENT),
                 *_transmission("N", "m", "m/N"),
                 Term("gain_asymmetry", "-", "gain that differs by direction", 0.05, "1",
                      signed=True,
@@ -122,8 +128,9 @@ KINDS = {
             ),
             (("start_position", "m"), ("start_speed", "m/s")),
             {"position": (0, 0), "speed": (1, 1), "load position": (2, 0), "load speed": (3, 1)},
-            {"command": "V or N or -"}, _sensors("command", slow="motor"),
+            {"command": "V or N or -"}, _sensors("command", "current", slow="motor"),
             inertia="mass", drives=("command",), per_command="gain",
+            needs={"current": ("A", _STATED.format("force_constant"))},
         ),
         Kind(
             "pendulum", pendulum_states,
@@ -140,7 +147,7 @@ KINDS = {
             ),
             (("start_position", "rad"), ("start_speed", "rad/s")),
             {"angle": (0, 0), "speed": (1, 1)},
-            {"pivot": "m/s^2"}, _sensors("pivot", zero=True),
+            {"pivot": "m/s^2"}, _sensors("pivot", slow="-", zero=True),
             per_command="1 / length", placed=frozenset({"length"}),
         ),
         Kind(
@@ -159,7 +166,7 @@ KINDS = {
             ),
             (("start_position", "m"), ("start_speed", "m/s")),
             {"displacement": (0, 0), "speed": (1, 1)},
-            {"force": "N"}, _sensors("force", zero=True),
+            {"force": "N"}, _sensors("force", slow="-", zero=True),
             inertia="mass", placed=frozenset({"stiffness"}),
         ),
         Kind(
@@ -185,7 +192,7 @@ KINDS = {
             {"temperature": (0, 0)},
             {"power": "W", "ambient": "K"},
             # Of a temperature above the surroundings, another scale is another power.
-            _sensors("power", zero=True, size=0.02, meter="thermometer", scale=False),
+            _sensors("power", slow="-", zero=True, size=0.02, meter="thermometer", scale=False),
             inertia="capacity", drives=("power",),
         ),
         Kind(
@@ -217,7 +224,7 @@ KINDS = {
             (("start_position", "rad"), ("start_speed", "rad/s")),
             {"position": (0, 0), "speed": (1, 1)},
             {"goal": "rad", "duty": "- or V", "supply": "V", "torque enable": "-"},
-            (*_sensors("goal", slow="goal", zero=True), Sensor("late duty", delay, 0.05, "time",
+            (*_sensors("goal", zero=True), Sensor("late duty", delay, 0.05, "time",
              "duty")),
             inertia="inertia", drives=("goal", "duty"), command=_duty,
             per_command="supply torque_constant / resistance",
@@ -228,6 +235,17 @@ KINDS = {
     )
 }  # fmt: skip
 """The table, by name."""
+
+
+def _driven(kind: Kind, constant: str, known: Mapping[str, Known]) -> Kind:
+    """The kind, driven by a current if the constant for that is stated."""
+    if constant not in known:
+        return kind
+    terms = tuple(term for term in kind.terms if term.name != kind.per_command)
+    needs = {name: (unit, f"state no {constant}") for name, unit in kind.inputs.items()}
+    return replace(kind, terms=terms, inputs={"current": "A"}, drives=("current",),
+                   per_command=constant, needs=needs)  # fmt: skip
+
 
 _ARGUMENTS = """\
     Parameters
@@ -275,10 +293,11 @@ def joint(
     """A joint or motor: its inertia is driven by a torque.
 
     ``inertia a = torque - viscous v - friction - load - gravity sin(angle)``, for a `Series` with
-    the input ``torque``, N m. What is stated is a constant: ``coulomb=0.2``, or with its standard
-    deviation ``coulomb=(0.2, 0.05)``, or ``coulomb=Prior(...)``. Each effect that is not stated is
-    a cause, and so are a late and a slow torque and a slow sensor. A log tells the inertia only as
-    its ratio to torque and friction. Friction is the motor's, load and gravity are the load's.
+    the input ``torque``, N m, or ``current``, A, with a `torque_constant`. What is stated is a
+    constant: ``coulomb=0.2``, or with its standard deviation ``coulomb=(0.2, 0.05)``, or
+    ``coulomb=Prior(...)``. Each effect that is not stated is a cause, and so are a late and a slow
+    torque and a slow sensor. A log tells the inertia only as its ratio to torque and friction.
+    Friction is the motor's, load and gravity are the load's.
 
     ARGUMENTS
 
@@ -286,10 +305,8 @@ def joint(
     -----
     Stops, reversals and contacts are events, found to 1e-11 of how far a step goes beyond them.
     Between them steps are exact where the terms are linear, and of order 5 with `stribeck`,
-    `quadratic` or `gravity`, also with ``smooth=True`` and whenever an input is late. 25 000
-    readings of one vector take 2 to 4 ms, and 7 to 13 ms with terms of order 5, which takes shorter
-    steps where they change fast. Friction as in Armstrong-Helouvry et al., Automatica 30 (1994)
-    1083.
+    `quadratic` or `gravity`, also with ``smooth=True`` and whenever an input is late. Friction as
+    in Armstrong-Helouvry et al., Automatica 30 (1994) 1083.
 
     Examples
     --------
@@ -300,7 +317,7 @@ def joint(
     >>> joint.simulate(t, {"torque": np.array([0.2, 0.2, 0.0, 0.0])}).round(3).tolist()
     [0.0, 0.158, 0.216, 0.0]
     """
-    return made(KINDS["joint"], reads, smooth, without, known)
+    return made(_driven(KINDS["joint"], "torque_constant", known), reads, smooth, without, known)
 
 
 @_documented
@@ -310,18 +327,15 @@ def axis(
     """An axis along a line, or a cart: its mass is driven by a motor that is commanded.
 
     ``mass a = gain command - viscous v - friction - load``, for a `Series` with the input
-    ``command``, in V or, with a gain of 1, in N. Each effect that is not stated is a cause, as for
-    a `joint`, and so are a late command, a slow motor and a slow sensor. Only the ratios of the
-    mass to the gain and to friction act. The motor's own braking belongs to `viscous`; a slope is
-    a load. An axis that turns is a `joint`, or a `servo`.
+    ``command``, in V or, with a gain of 1, in N; or ``current``, A, with a `force_constant` in
+    place of the gain. Each effect that is not stated is a cause, as for a `joint`, and so are a
+    late command, a slow motor and a slow sensor. Only the ratios of the mass to the gain and to
+    friction act. The motor's own braking belongs to `viscous`; a slope is a load. An axis that
+    turns is a `joint`, or a `servo`. Steps are exact as far as those of a `joint` are.
 
     ARGUMENTS
-
-    Notes
-    -----
-    Exact as far as a `joint` is.
     """
-    return made(KINDS["axis"], reads, smooth, without, known)
+    return made(_driven(KINDS["axis"], "force_constant", known), reads, smooth, without, known)
 
 
 @_documented
@@ -333,13 +347,9 @@ def pendulum(
     ``length a = -gravity_acceleration sin(angle) - pivot cos(angle)`` and damping, for a `Series`
     without input or with the acceleration ``pivot``, m/s^2. An angle of 0 hangs. Each effect, per
     unit of inertia, that is not stated is a cause, and so are a wrong zero of the angle, a slow
-    sensor and a late pivot.
+    sensor and a late pivot. Steps are of order 5 (Dormand and Prince) from reversal to reversal.
 
     ARGUMENTS
-
-    Notes
-    -----
-    Steps are of order 5 (Dormand and Prince) between reversals, which are events.
     """
     return made(KINDS["pendulum"], reads, smooth, without, known)
 
@@ -374,13 +384,9 @@ def thermal(*, smooth: bool = False, without: Sequence[str] = (), **known: Known
     `Series` with the input ``power``, W, and perhaps ``ambient``. With a `heater_capacity` the
     power warms the heater first, which warms the body by `coupling`; with a `wall_capacity` the
     body warms a wall by `wall_coupling`. Each effect that is not stated is a cause, and so are a
-    wrong zero, a slow thermometer and a late power.
+    wrong zero, a slow thermometer and a late power. Steps are exact; of order 5 with `loss_growth`.
 
     ARGUMENTS
-
-    Notes
-    -----
-    Steps are exact, and of order 5 with `loss_growth`.
     """
     return made(KINDS["thermal"], "temperature", smooth, without, known)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import product
 from os import PathLike
 from typing import Any, NamedTuple, NoReturn
 
@@ -62,6 +63,8 @@ class Columns(NamedTuple):
         Inputs of which one has to be there; the first may be known by its unit alone.
     also : dict
         What else columns are called.
+    needs : dict
+        Of what drives a model of which more is stated: units, and what to state.
     """
 
     reads: str
@@ -71,6 +74,7 @@ class Columns(NamedTuple):
     constants: Collection[str] = ()
     drives: tuple[str, ...] = ()
     also: Mapping[str, tuple[str, ...]] = {}
+    needs: Mapping[str, tuple[str, str]] = {}
 
     @property
     def units(self) -> dict[str, tuple[str, ...]]:
@@ -88,11 +92,11 @@ class _Log(Recipe):
 
     A column is known in whatever case; ``speed_rpm`` states its unit, too. One that states its unit
     comes before a bare counter. `wanted` is what the model takes, `also_reads` are quantities that
-    it could read, and `units` are those that the caller states, see `read_log`.
+    it could read and their units, and `units` are those that the caller states, see `read_log`.
     """
 
     wanted: Columns = field(kw_only=True)
-    also_reads: Collection[str] = ()
+    also_reads: Mapping[str, str] = field(default_factory=dict)
     units: Units = None
 
     @staticmethod
@@ -101,7 +105,9 @@ class _Log(Recipe):
         wanted = getattr(model, "columns", None)
         if not isinstance(wanted, Columns):
             raise ScenarioError(f"model = {shown(model)}: allowed is a model of stickslip.models")
-        reads = tuple(getattr(getattr(model, "kind", None), "reads", ()))
+        kind = getattr(model, "kind", None)
+        reads = {name: kind.states[k][1] for name, (_, k) in kind.reads.items()
+                 if name != wanted.reads} if kind else {}  # fmt: skip
         entries = {name: Entry(units[0], (*_ALSO.get(name, ()), *wanted.also.get(name, ())))
                    for name, units in wanted.units.items()}  # fmt: skip
         return _Log(entries, wanted=wanted, also_reads=reads, units=units)
@@ -178,6 +184,8 @@ class _Log(Recipe):
                     raise ScenarioError(f"columns {both} may both be {column}: allowed is one")
                 found[column] = named[best]
                 self._check_meaning(column, found[column][1], there)
+                if column in self.wanted.drives and not found[column][1].fits(units):
+                    self._check_needs([found[column][1]])
         first = next(iter(self.wanted.inputs), None)
         for column in (_TIME, self.wanted.reads, *self.wanted.inputs)[:3]:
             if column in found or (column == first and found.keys() & {*self.wanted.drives}):
@@ -189,12 +197,19 @@ class _Log(Recipe):
             if len(fit) == 1:
                 found[column] = fit[0]
             elif fit or column != first or self.wanted.drives:
-                self._missing(column, there)
+                self._missing(column, there, taken)
         for column in self.wanted.inputs:
             needed = self.wanted.needed or column in self.wanted.constants
             if column not in found and needed:
-                self._missing(column, there)
+                self._missing(column, there, {k for k, _ in found.values()})
         return found
+
+    def _check_needs(self, there: Sequence[_Heading]) -> None:
+        """Refuse a column of what drives the model only if more is stated of it."""
+        for each, (name, (units, remedy)) in product(there, self.wanted.needs.items()):
+            is_called = each.unit is None and plain(each.bare).split()[-1:] == [name]
+            if is_called or each.fits(units.split(" or ")):
+                raise ScenarioError(f"column {shown(each.text)} is a {name}: {remedy}")
 
     def _check_meaning(self, column: str, found: _Heading, there: Sequence[_Heading]) -> None:
         """Refuse a name beside one of the same that was read: it may be what was asked for."""
@@ -211,22 +226,34 @@ class _Log(Recipe):
                     f'as "{column} setpoint"'
                 )
 
-    def _missing(self, name: str, there: Sequence[_Heading]) -> NoReturn:
-        unit = self.wanted.units[name][0]
-        have = ", ".join(shown(each.text) for each in there)
-        other = next((each for each in self.also_reads if each != name for heading in there
-                      if plain(heading.bare) == plain(each)), None)  # fmt: skip
-        more = ""
-        if name == self.wanted.reads and other:
-            more = f'; with reads="{other}" (--set reads={other}) the model reads that'
+    def _missing(self, name: str, there: Sequence[_Heading], taken: Collection[int]) -> NoReturn:
+        if name in self.wanted.drives:
+            self._check_needs(there)
+        units, have = self.wanted.units[name], ", ".join(shown(each.text) for each in there)
+        free = [each for k, each in enumerate(there) if k not in taken]
+        # One that states another quantity is not to be called so.
+        could = any(each.unit is None or each.fits(units) for each in free)
+        call, more = f': call one "{name} ({units[0]})"' if could else "", ""
+        other = self._other_reading(free) if name == self.wanted.reads else None
+        if other:
+            call, more = "", f'; with reads="{other}" (--set reads={other}) the model reads that'
         if name in self.wanted.inputs and not self.wanted.needed:
             more = "; where nothing acted, write a column of zeros"
         if name in self.wanted.constants:
             more = f"; or state its value, as by --set {name}=VALUE"
         raise ScenarioError(
-            f'column "{name}" is missing; there are {have}: call one "{name} ({unit})"; '
+            f'column "{name}" is missing; there are {have}{call}; '
             f"allowed are {self.wanted}, or the same in other units{more}"
         )
+
+    def _other_reading(self, there: Sequence[_Heading]) -> str | None:
+        """What the model could read of some columns: by a name, or else by another unit."""
+        pairs = [*product(self.also_reads.items(), there)]
+        named = (name for (name, unit), each in pairs if plain(each.bare) in (
+                 plain(name), "position" if unit == "rad" != self.wanted.unit else ""))  # fmt: skip
+        of_unit = (name for (name, unit), each in pairs if unit != self.wanted.unit
+                   and each.fits([unit]) and not each.words & _ASKED)  # fmt: skip
+        return next(named, next(of_unit, None))
 
     def notes(self, table: SourceTable) -> list[Note]:
         """On columns that were told by their unit, or are missing, or are not used."""

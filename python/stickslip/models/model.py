@@ -180,6 +180,8 @@ class Kind:
         Effects by which readings depend on the first start state, though another one is read.
     also : dict
         What else columns of logs are called, by input.
+    needs : dict
+        Of what else may drive it, by name: the unit, and what to state for that.
     """
 
     name: str
@@ -195,6 +197,7 @@ class Kind:
     per_command: str = "1"
     placed: frozenset[str] = frozenset()
     also: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    needs: Mapping[str, tuple[str, str]] = field(default_factory=dict)
 
     @property
     def every(self) -> dict[str, Term]:
@@ -266,9 +269,10 @@ class Model(OneLine):
     @property
     def columns(self) -> Columns:
         """Columns of a log that it takes, for `read_log`."""
-        constants = self.kind.every.keys() & self.kind.inputs.keys() - self.known.keys()
+        kind = self.kind
+        constants = kind.every.keys() & kind.inputs.keys() - self.known.keys()
         return Columns(self.reads, self.unit, self._input_units, constants=constants,
-                       drives=self.kind.drives, also=self.kind.also)  # fmt: skip
+                       drives=kind.drives, also=kind.also, needs=kind.needs)  # fmt: skip
 
     @property
     def _input_units(self) -> dict[str, tuple[str, ...]]:
@@ -437,6 +441,8 @@ class Model(OneLine):
         for name in record.inputs:
             if name not in known:
                 allowed = " and ".join(f"{key} ({unit_of})" for key, unit_of in known.items())
+                if name in self.kind.needs:
+                    allowed += f"; for a {name} {self.kind.needs[name][1]}"
                 raise ScenarioError(
                     f"{record.at}input {name}: a {self.kind.name} has {allowed}{meant(name, known)}"
                 )

@@ -122,19 +122,22 @@ def _moved(inputs: Inputs, t: Array, values: _Named, inertia: str, force: Array)
 
 
 def joint_states(t: Array, inputs: Inputs, values: _Named) -> Array:
-    return _moved(inputs, t, values, "inertia", inputs.of("torque"))
+    per = values["torque_constant"] if "current" in inputs.values else 1.0
+    acts = inputs.of(next(iter(inputs.values), "torque"))
+    return _moved(inputs, t, values, "inertia", per * acts)
 
 
 def axis_states(t: Array, inputs: Inputs, values: _Named) -> Array:
     zone, most, unequal = (values[k] for k in ("dead_zone", "saturation", "gain_asymmetry"))
     bends = np.any(zone) or np.any(unequal) or np.any(np.isfinite(most))
-    if inputs.lines and "command" in inputs.values and bends:
-        inputs = inputs.cut("command", [zone, -zone, zone + most, -zone - most])
-    command = inputs.of("command")
+    name = next(iter(inputs.values), "command")
+    if inputs.lines and inputs.values and bends:
+        inputs = inputs.cut(name, [zone, -zone, zone + most, -zone - most])
+    command, strength = inputs.of(name), "force_constant" if name == "current" else "gain"
     beyond = np.maximum(np.abs(command) - zone, 0.0)
     command = np.sign(command) * np.minimum(beyond, most)
     unequal = 1.0 + np.sign(command) * unequal
-    return _moved(inputs, t, values, "mass", values["gain"] * unequal * command)
+    return _moved(inputs, t, values, "mass", values[strength] * unequal * command)
 
 
 def pendulum_states(t: Array, inputs: Inputs, values: _Named) -> Array:
