@@ -92,7 +92,7 @@ TOYS = {
 QUICK = (
     *(f"toy {name}" for name in ("nothing", "wave", "step", "bend", "wave and bend", "unlisted")),
     "table angles, clipping", "table fields, nothing", "axis-04", "joint-00", "oscillator-00",
-    "pendulum-00", "thermal-00",
+    "pendulum-00", "thermal-00", "change nothing",
 )  # fmt: skip
 """Problems of `make test`: 20 s of CPU together at most, the same verdict on each machine."""
 

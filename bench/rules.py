@@ -17,22 +17,22 @@ import pickle
 import time
 from collections.abc import Callable, Iterator
 from functools import cache
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from score.rows import KEPT, in_turns, row_of
 from scores import Row, answer, markdown
-from stale import digest, stale
+from stale import code, digest, stale
 
 from stickslip.diagnosis import pipeline
-from stickslip.diagnosis.decision import verdict as decision
-from stickslip.diagnosis.fitting import options
+from stickslip.diagnosis.decision import gain, misfit_test, posterior, verdict
+from stickslip.diagnosis.fitting import forms, models, options, search
+from stickslip.diagnosis.fitting import law_forms as laws
 
 STORED = Path(__file__).with_name("rules.json")
 WORTH = {"right name": 3, "right set": 2, "large set": 1, "silent": 1, "rightly silent": 1}
 """Of an outcome; 0 of a wrong set or name."""
-DECISION = "verdict", "posterior", "gain", "misfit_test"  # modules
+DECISION = verdict, posterior, gain, misfit_test
 SEARCHED = 40  # problems of `search`: the first of part 1 of 8, which has the classes in turn
 LEFT_OUT = "clean", "units", "walkers", "measured"  # that say little of a search, or take long
 Patch = tuple[Any, str, Any]
@@ -40,53 +40,47 @@ Said = dict[str, tuple[str, str, list[str]]]
 """Outcome, verdict and causes of each problem."""
 
 
-def _module(name: str) -> Any:
-    return import_module(f"stickslip.diagnosis.{name}")
-
-
 def numbers() -> Iterator[tuple[str, list[Patch]]]:
-    """Each number in capitals, half as large again and a third smaller, with all its users.
+    """Each number of the decision, half as large again and a third smaller, in all its modules.
 
-    Of a probability or a share above a half that is what it lacks of 1.
+    Of a probability or a share above a half that is what it lacks of 1. Numbers of the test of
+    misfit that the decision does not ask were used before, and stay out.
     """
-    users = [_module(f"decision.{each}") for each in DECISION]
-    every = {(key, value) for user in users for key, value in vars(user).items()
+    every = {(key, value) for user in DECISION[:3] for key, value in vars(user).items()
              if key.lstrip("_").isupper() and type(value) in (int, float)}  # fmt: skip
     for key, value in sorted(every):
         for by in (1.5, 1 / 1.5):
             moved = 1.0 - by * (1.0 - value) if 0.5 < value < 1.0 else value * by
             moved = type(value)(float(f"{moved:.3g}"))
-            patches = [(user, key, moved) for user in users if vars(user).get(key) == value]
+            patches = [(user, key, moved) for user in DECISION if vars(user).get(key) == value]
             yield f"`{key}` {value:g} → {moved:g}", patches
 
 
 @cache
 def of_decision() -> dict[str, list[Patch]]:
     """The rules of the decision: patches by words."""
-    verdict, posterior = _module("decision.verdict"), _module("decision.posterior")
     nothing: Callable[..., list[Any]] = lambda *_, **__: []  # noqa: E731
     off = {
         "twins left open": ("_open_twins", nothing), "size at an end": ("_at_end", nothing),
         "pattern in the settings": ("follows_settings", lambda *_: False),
         "nothing less explains": ("_nothing_less", lambda *_: False),
         "proof of what explains": ("_proven", lambda *_: True),
-        "share and gain of a claim": ("_takes_little", nothing),
+        "share and gain": ("_takes_little", nothing),
         "all against a discrepancy": ("_against", nothing),
         "own gain of blocks": ("in_blocks", lambda _: False),
         "misfit of both sides": ("chance_of_other_constants", lambda *_: 0.0),
-        "held-out gain": ("measured", lambda *_: None),
         "far constants prove": ("FAR_OFF", math.inf),
     }  # fmt: skip
     rules: dict[str, list[Patch]] = {name: [(verdict, *each)] for name, each in off.items()}
-    rules["half a lead between twins"] = [(one, "ALIKE", 2.0) for one in (verdict, posterior)]
+    certain: Callable[..., Any] = lambda *_, **__: gain.Gain(1.0, 0.0, (0.5, 1.5))  # noqa: E731
+    rules["held-out gain"] = [(one, "measured", certain) for one in (verdict, gain)]
+    rules["half a lead between twins"] = [(posterior, "ALIKE", 2.0)]
     return rules | dict(numbers())
 
 
 @cache
 def of_search() -> dict[str, list[Patch]]:
     """The rules of search and noise, each off."""
-    names = "search", "models", "law_forms", "forms"
-    search, models, laws, forms = (_module(f"fitting.{name}") for name in names)
     none: Callable[..., None] = lambda *_, **__: None  # noqa: E731
     values = {
         "second scan": {"doubtful": 0.0}, "fits from rivals' constants": {"rivals": 0},
@@ -151,7 +145,7 @@ def decided(path: Path) -> tuple[str, Said]:
     found: Said = {}
     for rule, patches in {"": [], **of_decision()}.items():
         with patched(patches):
-            said = decision.decide(models, test)
+            said = verdict.decide(models, test)
         now = {**row, "said": said.kind, "causes": [*said.causes]}
         if not rule and (now["said"], now["causes"]) != (row["said"], row["causes"]):
             break
@@ -180,16 +174,16 @@ def counted(before: Said, now: Said) -> Row:
 
 def decide(pool: Any) -> Iterator[tuple[str, Row]]:
     """Counts of the rules of the decision, of all that is kept of this engine."""
-    found = dict(pool.imap_unordered(decided, sorted(KEPT.glob(f"{digest()}/*.pickle")), 4))
+    found = dict(pool.imap_unordered(decided, sorted(KEPT.glob(f"{code()}/*.pickle")), 4))
     kept = {name: each for name, each in found.items() if each}
     if not kept:
-        raise SystemExit(f"{KEPT}: nothing of this engine is kept: first `bench score --part 1/8`")
+        raise SystemExit(f"{KEPT}: nothing of this engine: first `bench score --part 1/8 --keep`")
     before = {name: each[""] for name, each in kept.items()}
     for rule in of_decision():
         yield rule, counted(before, {name: each[rule] for name, each in kept.items()})
 
 
-def search(pool: Any, rules: list[str]) -> Iterator[tuple[str, Row]]:
+def searched(pool: Any, rules: list[str]) -> Iterator[tuple[str, Row]]:
     """Counts of rules of the search, one after another."""
     fit = [each for each in in_turns(1, 8) if not each.group.startswith(LEFT_OUT)]
     problems, before = sorted(fit[:SEARCHED], key=lambda each: each.name), {}
@@ -223,11 +217,13 @@ def main() -> None:
     asked = parser.parse_args()
     stored: dict[str, Any] = json.loads(STORED.read_text()) if STORED.exists() else {}
     if asked.step:
-        rows = stored.setdefault(asked.step, {})
-        left = [name for name in of_search() if rows.get(name, {}).get("golden") != digest()]
+        rules = of_decision() if asked.step == "decide" else of_search()
+        rows = stored[asked.step] = {rule: row for rule, row in stored.get(asked.step, {}).items()
+                                     if rule in rules}  # fmt: skip
+        left = [name for name in rules if rows.get(name, {}).get("golden") != digest()]
         ends = time.monotonic() + 60.0 * asked.minutes
         with multiprocessing.get_context("spawn").Pool(2) as pool:
-            found = decide(pool) if asked.step == "decide" else search(pool, left)
+            found = decide(pool) if asked.step == "decide" else searched(pool, left)
             for rule, row in found:
                 rows[rule] = row
                 STORED.write_text(json.dumps(stored, indent=1) + "\n")

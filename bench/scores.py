@@ -58,15 +58,15 @@ class Answer(NamedTuple):
 
     @property
     def credit(self) -> float:
-        """The share of the named group that is true: of n causes 1/n; 0 where it lacks the truth.
+        """1 for a right name, the share of a set that is true, 0 where it lacks the truth.
 
-        Of one cause among many this is the utility of ambiguity groups of the diagnostic
-        competition DXC 2026 (https://github.com/jdekleer/dxc26synth, after Feldman and others,
-        International Journal of Prognostics and Health Management 1, 2010), with silence at 0.
+        Of one cause in a set this is the utility of ambiguity groups of the diagnostic competition
+        DXC 2026 (https://github.com/jdekleer/dxc26synth, after Feldman and others, International
+        Journal of Prognostics and Health Management 1, 2010), with silence at 0.
         """
-        causes, truth = set(self.causes), set(self.truth)
-        says = self.claims or self.said == "ambiguous"
-        return len(truth) / len(causes) if says and truth and truth <= causes else 0.0
+        if self.outcome in ("right set", "large set"):
+            return len(self.truth) / len(self.causes)
+        return float(self.outcome == "right name")
 
 
 def answer(row: Row) -> Answer:
@@ -94,6 +94,9 @@ def counts(rows: Iterable[Row], plain: Mapping[str, Row]) -> Counter[str]:
     found: Counter[str] = Counter()
     for row in rows:
         found["rows"] += 1
+        if "state" in row:
+            found[row["state"]] += 1
+            continue
         found[answer(row).outcome] += 1
         if not row["truth"]:
             found["nothing"] += 1

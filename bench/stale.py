@@ -15,6 +15,18 @@ from typing import Any
 VERDICTS = Path(__file__).resolve().parents[1] / "tests" / "frozen" / "verdicts.jsonl"
 
 
+SOURCES = "diagnosis", "models", "machines", "walker"
+"""Folders of the package whose code is the engine of a diagnosis."""
+
+
+def code() -> str:
+    """The first 12 hex digits of the SHA-256 of the engine's sources in Python."""
+    package, found = VERDICTS.parents[2] / "python" / "stickslip", hashlib.sha256()
+    for path in sorted(path for each in SOURCES for path in (package / each).rglob("*.py")):
+        found.update(path.read_bytes())
+    return found.hexdigest()[:12]
+
+
 def digest() -> str:
     """The first 12 hex digits of the SHA-256 of the golden problems, their verdicts and causes.
 

@@ -6,13 +6,18 @@ sound when they were chosen, so this guards against falling back and gives no ra
 
 import itertools
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 from blind.generator import make
+from blind.kinds import KINDS
+from blind.noise import trials
+from blind.readings import velocities
 from blind.settings import FLOOR, PULSES, SCATTER, TRIALS, priors
-from blind.writing import write_more
+from blind.truth import Truth
+from blind.writing import KEYS, _rows
 
 from stickslip import Drive, Scenario, diagnose, read_measurement, simulate_batch
 from stickslip.walker import problem as measured
@@ -71,6 +76,20 @@ def test_what_is_hidden_is_in_what_is_said(kind, seed, verdicts, monkeypatch):
         assert [max(chance, key=chance.get)] == answer["answer"]
     elif kind == "exact twins":
         assert names >= {"length_scale", "clock_scale"}
+
+
+def write_more(folder, more, answer, drives):
+    """Write `more`: the data of `folder`, and a table of the same robot at further settings."""
+    truth, keys = Truth.of(answer), (*KEYS, "edge")
+    chosen = [{key: each[key] for key in keys} for each in drives]
+    random = np.random.default_rng([answer["seed"], len(drives), 1])
+    noise = KINDS[truth.kind].noise
+    values, _ = trials(velocities(truth, chosen), chosen, noise, truth.correlation, random)
+    shutil.copytree(folder, more, dirs_exist_ok=True)
+    lines = [",".join(["velocity", "trial", *keys]), *_rows(chosen, values, None, keys)]
+    (more / "proposed.csv").write_text("\n".join(lines) + "\n")
+    with (more / "measurement.toml").open("a") as file:
+        file.write('\n[[velocity]]\nfile = "proposed.csv"\n')
 
 
 @pytest.mark.nightly

@@ -109,7 +109,8 @@ def beside_other_tools():
 
 
 def of_class(name, rows=EARLIER):
-    return [row for row in rows if f"{row['class']}, ".startswith(f"{name}, ")]
+    return [row for row in rows
+            if f"{row['class']}, ".startswith(f"{name}, ") and "state" not in row]  # fmt: skip
 
 
 def outcomes(name, rows=EARLIER):

@@ -6,7 +6,8 @@ at denser times here, since for lags they take lines between readings.
 
 import numpy as np
 import pytest
-from score import made, question, unlisted
+from score import made, unlisted
+from score.problems import question
 
 from stickslip.diagnosis.model import bare_problem
 

@@ -24,16 +24,17 @@ def test_numbers_of_the_decision_are_moved_both_ways_for_each_user():
     assert [moved[f"`SURE` 0.95 → {each}"][0][2] for each in ("0.925", "0.967")] == [0.925, 0.967]
     users = [each[0].__name__.rpartition(".")[2] for each in moved["`SURE` 0.95 → 0.925"]]
     assert users == ["verdict", "posterior"]
-    assert moved["`SECOND` 0.1 → 0.15"] == [(rules.decision, "SECOND", 0.15)]
+    assert moved["`SECOND` 0.1 → 0.15"] == [(rules.verdict, "SECOND", 0.15)]
 
 
 def test_a_problem_that_was_kept_is_decided_without_each_rule(tmp_path, monkeypatch):
     monkeypatch.setattr(rows, "KEPT", tmp_path)
-    found = (rows.row_of(each) for each in rows.in_turns(1, 8, "own, listed, few repeats"))
+    problems = rows.in_turns(1, 8, "own, listed, few repeats")
+    found = (rows.row_of(each, keep=True) for each in problems)
     row = next(each for each in found if each["outcome"] == "right name")
     path = next(each for each in tmp_path.rglob("*.pickle") if each.stem == row["problem"])
-    silent = [(rules.decision, "_claimed", lambda *_: Verdict("none"))]
-    every = {"silent": silent, "idle": [(rules.decision, "CALM", 0.0)]}
+    silent = [(rules.verdict, "_claimed", lambda *_: Verdict("none"))]
+    every = {"silent": silent, "idle": [(rules.verdict, "CALM", 0.0)]}
     monkeypatch.setattr(rules, "of_decision", lambda: every)
     name, said = rules.decided(path)
     assert (name, said[""], said["idle"]) == (row["problem"], said["idle"], said[""])

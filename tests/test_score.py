@@ -7,8 +7,58 @@ import pytest
 from score import __main__ as score
 from score import rows
 from score.problems import CLASSES, of_logged
+from scores import answer
 
 CHEAP = "clean, few repeats: clean 700[0-3]"
+COULOMB, TWO = ["coulomb"], ["coulomb", "load"]
+
+
+@pytest.mark.parametrize(
+    ("said", "causes", "truth", "outcome", "credit"),
+    [
+        ("none", [], [], "rightly silent", 0.0),
+        ("named", ["load"], [], "wrong name", 0.0),
+        ("ambiguous", ["load", "zero"], [], "wrong set", 0.0),
+        ("named", COULOMB, COULOMB, "right name", 1.0),
+        ("dominant", ["load"], COULOMB, "wrong name", 0.0),
+        ("pair", TWO, COULOMB, "wrong name", 0.0),
+        ("pair", TWO, TWO, "right name", 1.0),
+        ("named", COULOMB, TWO, "wrong name", 0.0),
+        ("ambiguous", [*TWO, "zero"], TWO, "right set", 2 / 3),
+        ("ambiguous", [*TWO, "zero", "late"], COULOMB, "large set", 0.25),
+        ("ambiguous", ["zero", "load"], COULOMB, "wrong set", 0.0),
+        # A problem of the data is an answer if it tells a unit.
+        ("data-problem", ["unit of time"], ["unit of time"], "right name", 1.0),
+        ("data-problem", [], ["unit of time"], "silent", 0.0),
+        # A leader of what stays unexplained is no answer.
+        ("unexplained", COULOMB, COULOMB, "silent", 0.0),
+    ],
+)
+def test_an_answer_is_worth(said, causes, truth, outcome, credit):
+    one = answer({"said": said, "causes": causes, "truth": truth, "listed": True})
+    assert (one.outcome, one.credit) == (outcome, pytest.approx(credit))
+    # What is hidden and not listed is no truth.
+    other = answer({"said": said, "causes": causes, "truth": truth, "listed": False})
+    assert other.outcome in ("rightly silent", "wrong set", "wrong name")
+
+
+@pytest.mark.parametrize(
+    ("more", "said", "causes", "outcome"),
+    [
+        ({"also": ["zero"]}, "pair", [*COULOMB, "zero"], "right name"),
+        ({"also": ["zero"]}, "named", ["zero"], "silent"),
+        ({"also": [], "far": ["load.force"]}, "named", COULOMB, "wrong name"),
+        ({"alike": True}, "unexplained", [], "silent"),
+        ({"alike": True, "truth": []}, "unexplained", [], "wrong set"),
+        ({"alike": False, "truth": []}, "unexplained", [], "rightly silent"),
+        ({"alike": True, "truth": []}, "named", ["load"], "rightly silent"),
+    ],
+)
+def test_a_part_is_right_where_more_may_act_and_what_both_sides_have_is_no_change(
+    more, said, causes, outcome
+):
+    row = {"said": said, "causes": causes, "truth": COULOMB, "listed": True, **more}
+    assert answer(row).outcome == outcome
 
 
 @pytest.fixture(scope="module")
@@ -73,9 +123,9 @@ def test_every_problem_is_of_one_part_and_of_a_class_that_is_asked():
 
 def test_rows_of_a_faster_logger_end_with_its_readings():
     plain, *others = (each for each in of_logged() if ", joint, " in each.name)
-    first = plain.asked().diagnosed.args[1]
+    first = plain.asked().diagnosed.args[0]
     for each in others[:5]:
-        log = each.asked().diagnosed.args[1]
+        log = each.asked().diagnosed.args[0]
         n = int(each.name.split()[-1])
         np.testing.assert_allclose(log.t[::n], first.t, atol=1e-12)
         assert (log.y[::n] == first.y).all()

@@ -15,7 +15,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from causes.make import KINDS, simulated
+from causes.make import KINDS, PARAMETERS, correlated, simulated
 
 from blind.kinds import ERROR_SHARE
 from stickslip import Cause, Diagnosis, Parameter, Prior, Series, Table, diagnose_model, models
@@ -29,8 +29,6 @@ NOISE, STRENGTH = 0.02, (4.0, 9.0)  # of the readings' scatter, and of a cause's
 CORRELATION, STEP = 0.7, 2.0  # of neighbours; of a coarse meter, in errors
 SLOPE_STEP = 1e-4  # of a constant; of a start that is 0, in its unit
 DECADES, HALVINGS = 2.0, 12  # of the search for a cause's size about the usual one
-WORDS = {"zero": ".shift", "scale": ".error", "late": ".time", "slow": ".time"}
-"""Of the parameters of causes that are not called as these."""
 PLACES = np.repeat(np.linspace(1.0, 6.0, 6), 2)
 HIDDEN = ("none", "listed", "listed", "unlisted")
 ERRORS = ("white", "correlated", "coarse", "uneven scale", "drift")
@@ -110,8 +108,7 @@ def log(kind: str, hidden: str, errors: str, draw: np.random.Generator) -> Drawn
         seen = seen + _scaled(wrong, level) * error
     noise = draw.standard_normal(COUNT)
     if errors == "correlated":
-        for k in range(1, COUNT):
-            noise[k] = CORRELATION * noise[k - 1] + np.sqrt(1.0 - CORRELATION**2) * noise[k]
+        noise = correlated(noise, CORRELATION)
     seen = seen + sd * noise
     if errors == "coarse":
         seen = STEP * sd * np.round(seen / (STEP * sd))
@@ -121,7 +118,7 @@ def log(kind: str, hidden: str, errors: str, draw: np.random.Generator) -> Drawn
     name = own["input"].partition(" (")[0]
     record = Series(t, seen, {name: u}, unit=own["reads"].rstrip(")").split(" (")[1])
     asked = partial(diagnose_model, model, record)
-    sizes = {**base, cause + WORDS.get(cause.partition(" ")[0], ""): size}
+    sizes = {**base, cause + PARAMETERS.get(cause.partition(" ")[0], ""): size}
     return Drawn(cause, sizes, effect, asked)
 
 

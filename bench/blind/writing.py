@@ -5,10 +5,9 @@
 
 from __future__ import annotations
 
+import argparse
 import json
-import shutil
-import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +16,6 @@ import numpy as np
 from blind.generator import Made, make
 from blind.kinds import KINDS
 from blind.noise import noisy_tables, trials
-from blind.readings import velocities
 from blind.settings import (
     EXPOSURE,
     FILM_SD,
@@ -29,10 +27,8 @@ from blind.settings import (
     priors,
     probes,
 )
-from blind.truth import Truth
 
 KEYS = ("mode", "frequency", "peak", "base", "hold", "direction")
-MORE_KEYS = (*KEYS, "edge")
 _PROBE = ("xp", "xm", "yp", "ym", "clamp", "x", "y", "z")
 _HEAD = 'stickslip_measurement = 1\nname = "study"\nscenario = "nominal.toml"\n\n[uncertain]\n'
 
@@ -63,22 +59,6 @@ def write_case(folder: Path, kind: str, seed: int) -> dict[str, Any]:
         "seed": seed, "strength": made.strength, "tables": tables, **made.more,
         **made.truth.as_record(),
     }  # fmt: skip
-
-
-def write_more(
-    folder: Path, more: Path, answer: dict[str, Any], drives: Sequence[Mapping[str, Any]]
-) -> None:
-    """Write `more`: the data of `folder`, and a table of the same robot at further settings."""
-    truth = Truth.of(answer)
-    chosen: list[Drive] = [{key: each[key] for key in MORE_KEYS} for each in drives]
-    random = np.random.default_rng([answer["seed"], len(drives), 1])
-    noise = KINDS[truth.kind].noise
-    values, _ = trials(velocities(truth, chosen), chosen, noise, truth.correlation, random)
-    shutil.copytree(folder, more, dirs_exist_ok=True)
-    lines = [",".join(["velocity", "trial", *MORE_KEYS]), *_rows(chosen, values, None, MORE_KEYS)]
-    (more / "proposed.csv").write_text("\n".join(lines) + "\n")
-    with (more / "measurement.toml").open("a") as file:
-        file.write('\n[[velocity]]\nfile = "proposed.csv"\n')
 
 
 def _write_velocities(path: Path, made: Made) -> str:
@@ -122,6 +102,10 @@ def _film_entry(drive: Drive) -> str:
 
 
 if __name__ == "__main__":
-    kind, seed, into = sys.argv[1:]
-    answer = write_case(Path(into, "data"), kind, int(seed))
-    Path(into, "answer.json").write_text(json.dumps(answer, indent=2) + "\n")
+    parser = argparse.ArgumentParser("python -m bench blind", description=__doc__)
+    parser.add_argument("kind", choices=KINDS)
+    parser.add_argument("seed", type=int)
+    parser.add_argument("into", type=Path, help="folder; a strong cause is sought for minutes")
+    asked = parser.parse_args()
+    answer = write_case(asked.into / "data", asked.kind, asked.seed)
+    (asked.into / "answer.json").write_text(json.dumps(answer, indent=2) + "\n")

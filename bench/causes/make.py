@@ -86,6 +86,17 @@ def simulated(kind: str, c: Terms, t: Array, u: Array) -> Array:
     return np.asarray(found[::FINE, 1 if kind == "joint" else 0] + c.get("zero", 0.0))
 
 
+PARAMETERS = {"zero": ".shift", "scale": ".error", "late": ".time", "slow": ".time"}
+"""Ends of the parameters of causes that are not called as these."""
+
+
+def correlated(draws: Array, part: float) -> Array:
+    """Normal draws, of which each has a part of the one before."""
+    for k in range(1, len(draws)):
+        draws[k] = part * draws[k - 1] + np.sqrt(1.0 - part**2) * draws[k]
+    return draws
+
+
 def bent(c: Terms, u: Array) -> Array:
     """A command as it acts: beyond a dead zone, up to a limit, and by its direction."""
     beyond = np.maximum(np.abs(u) - c.get("dead_zone", 0.0), 0.0)

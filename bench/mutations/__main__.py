@@ -42,7 +42,7 @@ def main(words: list[str]) -> int:
     parser.add_argument("--count", type=int, default=30, help="lines to draw")
     parser.add_argument("--at", metavar="FILE:LINE", help="all changes of this line, none drawn")
     parser.add_argument("--part", default="1/1", metavar="K/N", help="every Nth from the Kth on")
-    parser.add_argument("--limit", type=float, default=60.0, help="CPU seconds of the tests of one")
+    parser.add_argument("--limit", type=float, default=60.0, help="CPU s of each run of tests")
     parser.add_argument("--tests", nargs="+", default=["tests"], help="to choose from")
     parser.add_argument("--out", default=os.devnull, help="JSON lines to append results to")
     options = parser.parse_args(words)
@@ -60,8 +60,11 @@ def main(words: list[str]) -> int:
         rows = [json.loads(row) for row in out]
         for mutation in chosen[part - 1 :: parts]:
             file, line, start, stop, text = mutation
-            old = " ".join((ROOT / file).read_bytes()[start:stop].decode().split())
-            place = {"file": file, "line": line, "change": f"{old} -> {text or 'nothing'}"}
+            source = (ROOT / file).read_bytes()
+            old = " ".join(source[start:stop].decode().split())
+            column = start - source.rfind(b"\n", 0, start)
+            place = {"file": file, "line": line, "column": column,
+                     "change": f"{old} -> {text or 'nothing'}"}  # fmt: skip
             row = next((row for row in rows if place.items() <= row.items()), None)
             if row is None:
                 trial = trial or Trial(language.Copy(options.tests), options.limit)

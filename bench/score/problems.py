@@ -19,8 +19,9 @@ from causes import tools
 from causes.make import TRUTH
 from real.sets import ASKED, UNSURE, measured_set
 
-from score import made, pairs, question, unlisted
-from stickslip import Diagnosis, diagnose, diagnose_change, diagnose_model, read_measurement
+import stickslip
+from score import made, pairs, unlisted
+from stickslip import Diagnosis, Series, diagnose, diagnose_change, models, read_measurement
 
 REACHED = 0.9  # part of the strength that its kind asks for below which a walker is too weak
 WALKERS = 80
@@ -144,9 +145,21 @@ def _of_made(make: Callable[[Any], made.Made], key: Any, listed: bool = True) ->
 
 
 def _of_log(log: made.Made, listed: bool = True, **more: Any) -> Asked:
-    asked, truth = partial(diagnose_model, *question(log)), [log.truth] * bool(log.truth)
+    truth = [log.truth] * bool(log.truth)
     sizes = {name: size for name, size in log.constants.items() if not name.startswith("start")}
-    return Asked(asked, truth, listed, sizes, {"strength": round(log.strength, 2), **more})
+    more |= {"strength": round(log.strength, 2), "by": log.by}
+    return Asked(partial(_diagnosed, log), truth, listed, sizes, more)
+
+
+def question(log: made.Made) -> tuple[Any, Series]:
+    """The ready-made model and the log that a problem asks about."""
+    reads = {} if log.kind == "thermal" else {"reads": log.reads}
+    model = getattr(models, log.kind)(**reads, without=log.without, **log.stated, **log.known)
+    return model, Series(log.t, log.y, log.inputs, unit=log.unit)
+
+
+def _diagnosed(log: made.Made) -> Diagnosis:
+    return stickslip.diagnose_model(*question(log))
 
 
 def of_logged() -> Iterator[Problem]:
@@ -242,10 +255,10 @@ def _of_walker(kind: str, seed: int) -> Asked:
     wanted, strength, hidden = KINDS[kind].wanted, truth["strength"], list(truth["answer"])
     more = {"also": sorted({*truth["hidden"]} - {*hidden}), "strength": round(strength, 2)}
     if wanted and strength < REACHED * wanted[0]:
-        more["class"] = "too weak"
-    # Sizes of laws whose form is the library's too.
+        more["state"] = "too weak"
+    # Sizes of laws whose form is the library's too; "law" is one of another form.
     sizes = {f"{name}.{key}": value for name, sizes in truth["effects"].items()
-             if name not in MODEL_ERRORS and not entry(name).fixed
+             if name not in (*MODEL_ERRORS, "law") and not entry(name).fixed
              for key, value in sizes.items()}  # fmt: skip
     asked = partial(diagnose, measured, threads=1)
     return Asked(asked, hidden, sizes={**truth["constants"], **sizes}, more=more)

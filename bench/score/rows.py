@@ -4,8 +4,9 @@ A row is a line of JSON: the `class` and the name of the `problem`, with its `se
 the `truth`, causes that are hidden, and whether they are `listed`; the verdict `said`, its `causes`
 and the `outcome`; `sizes` of right models, each true and estimated with the ends of 95 %; `width`,
 of the cause's interval over that of a fit with the truth's causes and no discrepancy; the p-value
-`p` of the misfit, `cpu` seconds, and the `engine`. `far` are parameters far from a known size,
-`also` causes that may act besides, `alike` says whether two logs have the same inputs.
+`p` of the misfit, `cpu` seconds, and the `engine`. A row without an answer has a `state`. `far` are
+parameters far from a known size, `also` causes that may act besides, `alike` says whether two logs
+have the same inputs, `by` whether readings alone tell the cause or what is stated of the constants.
 """
 
 from __future__ import annotations
@@ -19,16 +20,17 @@ import re
 import subprocess
 import time
 from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from blind.seeds import used
 from causes.make import TRUTH
 from scores import Row, answer
-from stale import digest
+from stale import code, digest
 
-from score.problems import CLASSES, SLOW, Asked, Problem
-from stickslip import Diagnosis
+from score.problems import CLASSES, SLOW, Asked, Problem, of_causes
+from stickslip import Diagnosis, ScenarioError
 from stickslip.diagnosis.decision.candidate import Candidate
 
 HERE = Path(__file__).resolve().parent
@@ -57,17 +59,16 @@ def append(path: Path, row: Row) -> None:
 
 
 def engine() -> dict[str, str]:
-    """The commit, and the sum of the golden verdicts by which rows are of one engine."""
+    """The commit, the sum of the golden verdicts, and that of the code: rows of one are alike."""
     asked = ("git", "-C", str(HERE), "rev-parse", "--short", "HEAD")
     commit = subprocess.run(asked, capture_output=True, text=True, check=False).stdout.strip()
-    return {"commit": commit, "golden": digest()}
+    return {"commit": commit, "golden": digest(), "code": code()}
 
 
 def of_tool(path: Path) -> list[Row]:
     """Rows of a tool's answers to the benchmark of causes."""
     truths = json.loads(TRUTH.read_text())
-    groups = {each.name: each.group for listed in CLASSES[2:] for each in listed()
-              if each.name in truths}  # fmt: skip
+    groups = {each.name: each.group for walkers in (False, True) for each in of_causes(walkers)}
     return [
         {"class": groups[name], "problem": name, "listed": truths[name]["listed"], **one,
          "truth": [truths[name]["cause"]] * bool(truths[name]["cause"])}
@@ -80,27 +81,29 @@ def read(path: Path) -> list[Row]:
     return of_tool(path) if path.suffix == ".json" else [*lines(path)]
 
 
-def newest(rows: Sequence[Row], golden: str) -> list[Row]:
+def newest(rows: Sequence[Row], engine: str) -> list[Row]:
     """The last row of each problem by an engine; of a file without any, by whichever."""
-    own = [row for row in rows if row.get("engine", row).get("golden") == golden]
+    own = [row for row in rows if engine in row.get("engine", row).values()]
     return list({row["problem"]: row for row in own or rows}.values())
 
 
-def row_of(problem: Problem, keep: bool = True) -> Row:
-    """Diagnose a problem; its row without the engine."""
+def row_of(problem: Problem, keep: bool = False) -> Row:
+    """Diagnose a problem, and keep what the decision took; its row without the engine."""
     head: Row = {"class": problem.group, "problem": problem.name}
     head |= {"seed": problem.seed} if problem.study else {}
     try:
         asked = problem.asked()
-    except ValueError as error:  # the cause cannot be as strong
-        return {**head, "class": "not made", "text": str(error)}
+    except Exception as error:  # of a value: the cause cannot be as strong
+        state = "not made" if isinstance(error, ValueError) else "failed"
+        return {**head, "state": state, "text": f"{type(error).__name__}: {error}"[:WORD]}
     head |= {"truth": list(asked.truth), "listed": asked.listed, **asked.more}
     begin = time.process_time()
     try:
         found = asked.diagnosed()
-    except Exception as error:  # a refusal is an answer too
-        text = f"{type(error).__name__}: {error}"[:WORD]
-        return {**head, "said": "refused", "causes": [], "text": text}
+    except ScenarioError as error:  # an answer too
+        return {**head, "said": "refused", "causes": [], "text": str(error)[:WORD]}
+    except Exception as error:
+        return {**head, "state": "failed", "text": f"{type(error).__name__}: {error}"[:WORD]}
     seconds = round(time.process_time() - begin, 2)
     row = {**head, "truth": _told(head["truth"], found), "said": found.verdict.kind,
            "causes": list(asked.causes(found))}  # fmt: skip
@@ -115,7 +118,7 @@ def row_of(problem: Problem, keep: bool = True) -> Row:
 
 def _keep(row: Row, found: Diagnosis) -> None:
     """Keep a row with what the decision took, for `bench rules`; models of functions cannot be."""
-    path = KEPT / digest() / f"{row['problem'].replace('/', ' ')}.pickle"
+    path = KEPT / code() / f"{row['problem'].replace('/', ' ')}.pickle"
     path.parent.mkdir(parents=True, exist_ok=True)
     with contextlib.suppress(pickle.PicklingError, AttributeError, TypeError):
         path.write_bytes(pickle.dumps((row, found.findings.models, found.findings.test)))
@@ -145,7 +148,8 @@ def _sized(row: Row, asked: Asked, found: Diagnosis) -> Row:
             more["far"] = [*more.get("far", ()), name]
     fit = found.findings.models.get(row["truth"])
     if row["truth"] and fit is not None:
-        own = next((each for each in table.index if each.startswith(row["truth"][0])), "")
+        (first, *_), names = row["truth"], table.index
+        own = next((each for each in names if each == first or each.startswith(f"{first}.")), "")
         plain = Candidate(fit, found.findings.models).interval(0.95)
         if own in plain.index and (width := np.ptp(plain.loc[own, ["low", "high"]].to_list())):
             wider = np.ptp(table.loc[own, ["low", "high"]].to_list()) / width
@@ -171,25 +175,26 @@ def in_turns(part: int, parts: int, only: str = "") -> list[Problem]:
     return sorted(turns, key=lambda each: each.name.startswith(SLOW))
 
 
-def ask(path: Path, problems: Iterable[Problem], minutes: float, jobs: int = 2) -> None:
+def ask(path: Path, problems: Iterable[Problem], minutes: float, jobs: int = 2,
+        keep: bool = False) -> None:  # fmt: skip
     """Append rows of problems that have none of the present engine, for some minutes.
 
     What is not diagnosed by then is given up; a later call begins with it.
     """
     now, ends = engine(), time.monotonic() + 60.0 * minutes
-    done = {row["problem"] for row in lines(path) if row["engine"]["golden"] == now["golden"]}
+    done = {row["problem"] for row in lines(path) if row["engine"].get("code") == now["code"]}
     left = [each for each in problems if each.name not in done]
     for study in {each.study for each in left} - {""}:
         if said := used(study, (each.seed for each in left if each.study == study)):
             raise SystemExit("\n".join(said))
     # Not by forks: a thread of the core may hold a lock.
     with multiprocessing.get_context("spawn").Pool(jobs) as pool:
-        rows, count = pool.imap_unordered(row_of, left), 0
+        rows, count = pool.imap_unordered(partial(row_of, keep=keep), left), 0
         with contextlib.suppress(multiprocessing.TimeoutError, StopIteration):
             while True:
                 row = rows.next(max(ends - time.monotonic(), 0.0))
                 append(path, {**row, "engine": now})
                 count += 1
-                print(row["problem"], row.get("outcome", row["class"]), flush=True)
+                print(row["problem"], row.get("outcome", row.get("state", "")), flush=True)
         pool.terminate()
     print(f"{count} rows, {len(left) - count} problems left")
