@@ -11,6 +11,7 @@ from stickslip import _core
 from stickslip._util.messages import shown
 from stickslip._util.note import Note
 from stickslip.scenario.matter import left_out
+from stickslip.simulation.map_background import background
 
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
@@ -30,7 +31,7 @@ CODES = (
     "field-change", "velocity-grows", "turning", "start-up", "window-short", "pulses-short",
     "fluid", "inner",
     # Other values that are probably mistakes.
-    "hidden-key", "prior", "capacitor",
+    "map-background", "hidden-key", "prior", "capacitor",
     "voltage", "density", "moment", "steep-surface", "adhesion", "tangential-restitution",
     "tolerance",
     # Facts, without a fault.
@@ -64,6 +65,7 @@ def _of_files(scenario: Scenario) -> Iterator[Note]:
         text = f"{key} = {shown(value)} has no effect: all five coils have their own values"
         yield Note("hidden-key", f"{text}, such as those of [coil.xp]", float(value))
     if scenario.coil.map is not None:
+        yield from background(scenario.coil.map)
         yield Note("map", f"the field of the coils is that of {scenario.coil.map}")
     shaken = scenario.shake.accelerations
     if shaken is not None and math.hypot(*shaken.mean) > MUCH_MEAN * shaken.most:
