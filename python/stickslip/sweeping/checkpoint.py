@@ -55,7 +55,7 @@ def take_over(path: str | PathLike[str], data: xarray.Dataset) -> None:
             )
         for name, column in data.data_vars.items():
             if name in file:
-                if own_rows(file, name, column.shape[1:]) != len(column):
+                if own_rows(file, str(name), column.shape[1:]) != len(column):
                     raise ScenarioError(f"is damaged: {name} is of another sweep")
                 stored = file[name]
                 column.values[...] = (stored.asstr() if stored.dtype == object else stored)[()]
