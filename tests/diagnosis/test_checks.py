@@ -8,7 +8,8 @@ import pandas as pd
 import pytest
 
 from made_velocities import drives, measurement, trials
-from stickslip.diagnosis.data.table import FEWEST_CONDITIONS, Table
+from stickslip.diagnosis.data.checks import FEWEST_CONDITIONS
+from stickslip.diagnosis.data.table import Table
 from stickslip.walker.velocity import VelocityTable
 
 
