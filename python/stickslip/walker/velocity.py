@@ -27,13 +27,7 @@ from stickslip.walker.instruments import of_velocities
 from stickslip.walker.read_velocity import NOT_SETTINGS, VelocityData, with_index_columns
 from stickslip.walker.reading import Measurement
 from stickslip.walker.simulated import SimulatedTable
-from stickslip.walker.velocity_checks import (
-    drift,
-    nothing_computed,
-    opposite_sign,
-    reversed_rule,
-    speeds,
-)
+from stickslip.walker.velocity_checks import CHECKS
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -176,7 +170,7 @@ class VelocityTable(SimulatedTable):
         return trials
 
     # ------------------------------------------------------------------ what is wrong with it
-    checks = (nothing_computed, opposite_sign, speeds, reversed_rule, drift)
+    checks = CHECKS
 
     def remarks(self) -> list[Note]:
         notes = []

@@ -131,9 +131,13 @@ def _least_probable_slope(table: Any) -> tuple[float, float] | None:
     dof, power = len(rows) - basis.shape[1] - 1, float(time @ time)
     if dof < 1 or power <= 1e-9 * float(whole[:, 0] @ whole[:, 0]):
         return None
-    chance, slope = min(_slope(time, change, dof) for change in changes)
+    slopes = [float(time @ change) / power for change in changes]
+    rests = [change - slope * time for change, slope in zip(changes, slopes, strict=True)]
+    ratios = [abs(slope) * math.sqrt(power / max(float(rest @ rest) / dof, 1e-12))
+              for slope, rest in zip(slopes, rests, strict=True)]  # fmt: skip
+    most = int(np.argmax(ratios))
     span = np.ptp(table.sequence[rows]) * np.median(error / np.abs(table.mean[c]))
-    return 2.0 * chance, slope * float(span)
+    return 4.0 * float(t_law.sf(ratios[most], dof)), abs(slopes[most]) * float(span)
 
 
 def _free_changes(table: Any, rows: Indices, independent: Array) -> Array:
@@ -147,9 +151,4 @@ def _free_changes(table: Any, rows: Indices, independent: Array) -> Array:
     return np.asarray(left[:, singular > 1e-9 * singular[0]])
 
 
-def _slope(time: Array, change: Array, dof: int) -> tuple[float, float]:
-    """p-value and magnitude of a slope in time."""
-    power = float(time @ time)
-    slope = float(time @ change) / power
-    rest = float(np.sum((change - slope * time) ** 2)) / dof
-    return 2.0 * t_law.sf(abs(slope) * math.sqrt(power / max(rest, 1e-12)), dof), abs(slope)
+CHECKS = (nothing_computed, opposite_sign, speeds, reversed_rule, drift)
