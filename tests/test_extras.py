@@ -70,7 +70,7 @@ assert open("run.csv").read().startswith("t (s),x (m),")
 assert simulate(scenario, out="kept.csv").recorded
 
 rest = Waveform.hold(0.02, {"xp": 5.0}) + Waveform.ramp(0.01, {"xp": 10.0}, {"xp": 5.0})
-rest.to_csv("voltages.csv")
+rest.write("voltages.csv")
 program = Drive(mode="program", program=Waveform.from_csv("voltages.csv"))
 assert simulate(Scenario(drive=program)).ok
 assert scenario.draws(2, seed=0)[0].contact != scenario.contact

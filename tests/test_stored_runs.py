@@ -95,6 +95,50 @@ def test_a_file_without_checksums_is_opened_in_limited_time(tmp_path, monkeypatc
         open_run(path)
 
 
+def linked(file, name):
+    file[name] = h5py.ExternalLink("other.nc", f"/{name}")
+
+
+def of_raw_bytes(file, name):
+    file.create_dataset(name, (8,), "f8", external=[("other.nc", 0, 64)])
+
+
+def virtual(file, name):
+    layout = h5py.VirtualLayout((8,), "f8")
+    layout[:] = h5py.VirtualSource("other.nc", name, (8,))
+    file.create_virtual_dataset(name, layout)
+
+
+def endless(file, name):
+    file.create_dataset(name, (10**12,), "f8", chunks=(1024,), maxshape=(None,))[:8] = 1.0
+
+
+def wide(file, name):
+    file.create_dataset(name, (8, 10**12), "f8", chunks=(8, 1024))
+
+
+@pytest.mark.parametrize(
+    ("replace", "said"),
+    [(linked, "not in it"), (of_raw_bytes, "not in it"), (virtual, "not in it"),
+     (endless, "it states 1000000000000 rows of .*, and has 1024"), (wide, "of shape")],
+)  # fmt: skip
+def test_a_file_whose_data_are_not_in_it_is_refused(replace, said, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    points = {"drive.frequency": [100.0, 200.0]}
+    simulate(COARSE, out="run.nc")
+    sweep(COARSE, points, out="swept.nc")
+    with h5py.File("other.nc", "w") as other:
+        other["x"] = other["mean_velocity"] = np.arange(8.0)
+    for path, name in (("run.nc", "x"), ("swept.nc", "mean_velocity")):
+        with h5py.File(path, "r+") as file:
+            del file[name]
+            replace(file, name)
+    with pytest.raises(ScenarioError, match=rf"^run\.nc: is damaged: .*{said}"):
+        open_run("run.nc")
+    with pytest.raises(ScenarioError, match=rf"^swept\.nc cannot be resumed: is damaged: .*{said}"):
+        sweep(COARSE, points, out="swept.nc", resume=True)
+
+
 def when_its_end_is_sought(monkeypatch, change):
     """Let `change` come between the search for a file's end and what is read next."""
 

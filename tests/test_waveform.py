@@ -178,7 +178,7 @@ def test_csv_keeps_every_bit_and_any_order_of_columns(tmp_path):
     t = np.concatenate([[0.0], np.sort(rng.random(6)).repeat(2)])
     waveform = Waveform.from_points(t, rng.normal(size=(13, 5)))
     path = tmp_path / "voltages.csv"
-    waveform.to_csv(path)
+    waveform.write(path)
     assert Waveform.from_csv(path) == waveform
 
     rows = [line.split(",") for line in path.read_text().splitlines()]
@@ -226,7 +226,7 @@ def test_points_of_a_repeated_waveform_can_be_read_back(frequency, pulses, tmp_p
     assert np.all(np.diff(t) >= 0.0)
     once = Waveform.from_points(t, voltages)
     assert once.duration == pytest.approx(waveform.duration, rel=1e-14)
-    waveform.to_csv(tmp_path / "v.csv")
+    waveform.write(tmp_path / "v.csv")
     assert Waveform.from_csv(tmp_path / "v.csv") == once
     twice = waveform * 2
     assert np.all(np.diff(twice.points()[0]) >= 0.0)
@@ -252,7 +252,7 @@ def test_points_of_pieces_that_jump_where_they_meet_are_two(tmp_path):
     t, v = whole.points()
     assert t.tolist() == [0, 0, 1, 1, 2, 2, 3, 3, 4]
     assert v[:, 0].tolist() == [0, 1, 2, 5, 6, 5, 6, 7, 8]
-    whole.to_csv(tmp_path / "v.csv")
+    whole.write(tmp_path / "v.csv")
     read = Waveform.from_csv(tmp_path / "v.csv")
     times = np.linspace(0.0, 4.0, 33)[:-1]
     np.testing.assert_array_equal(read.voltages(times), whole.voltages(times))

@@ -8,7 +8,8 @@ import pandas as pd
 import pytest
 
 from made_velocities import drives, measurement, trials
-from stickslip.diagnosis.data.table import FEWEST_CONDITIONS, Table
+from stickslip.diagnosis.data.checks import FEWEST_CONDITIONS
+from stickslip.diagnosis.data.table import Table
 from stickslip.walker.velocity import VelocityTable
 
 
@@ -52,11 +53,10 @@ FEW, ENOUGH = (np.linspace(1.0, 2.0, FEWEST_CONDITIONS + more) for more in (-1, 
         (lambda: of(np.zeros(6)), "all-zero"),
         (lambda: of(np.array([0.0, 0.0, 0.0, 0.0, 1.0])), "no-noise"),
         (lambda: of(FEW), "too-few-conditions"),
-        (lambda: of(ENOUGH), None),
         (lambda: of(ENOUGH, 1), "no-noise"),
         (lambda: Table({"x": ENOUGH}, ENOUGH, sd=0.03), None),
     ],
-    ids=["all zero", "one moves", "few", "enough", "no repeats", "error stated"],
+    ids=["all zero", "one moves", "few", "no repeats", "error stated"],
 )
 def test_readings_that_tell_nothing(table, expected):
     assert code(table()) == expected
@@ -72,6 +72,92 @@ def test_conditions_that_are_all_alike_may_have_mixed_labels():
     random = np.random.default_rng(1)
     level = 1.0 + 4 * 0.03 / np.sqrt(3.0) * random.standard_normal(20)
     assert code(of(level)) is None
+
+
+def scattered(ratio):
+    """Five conditions, three readings of each, whose means scatter by so many times their error."""
+    noise, level = np.tile([-1.0, 0.0, 1.0], 5), np.array([-2.0, -1.0, 0.0, 1.0, 2.0])
+    # A reading has the variance 1, by the estimate 0.975, a mean a third; levels have 2.
+    y = 100.0 + np.sqrt(ratio / 6.0) * np.repeat(level, 3) + noise
+    return code(Table({"x": np.repeat(np.arange(5), 3)}, y))
+
+
+def reversed_by(part):
+    """Readings of the other sign, and what is not the model's, as a part of its size."""
+    model = np.array([1.0, 1.0, -1.0, -1.0, 1.0, 1.0])
+    y = -model + part * np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
+    found = Table({"x": np.arange(6.0)}, y, sd=0.1).data_fault(model)
+    return None if found is None else found.code
+
+
+def moving(sound, change, stated=None):
+    """What is said of velocities that are the stated ones, 1 mm/s, with some change."""
+    table = velocities(sound)
+    table.stated = np.full(16, 1e-3) if stated is None else stated(table)
+    return code(table.having(mean=table.stated * change(table)), alone=False)
+
+
+def up_to(count, size=-1.0):
+    return lambda _: np.where(np.arange(16) < count, size, abs(size))
+
+
+def is_along(size):
+    """The reverse sign where the direction is +x."""
+
+    def change(table):
+        along = np.array([drive["drive.direction"] == "+x" for drive in table.conditions])
+        return np.where(along, -size, size)
+
+    return change
+
+
+def cosine(value):
+    """A change of 16 alike velocities after which they and it have this cosine."""
+    return lambda _: value + np.sqrt(1.0 - value**2) * np.tile([1.0, -1.0], 8)
+
+
+def signs(count):
+    return lambda _: 1e-3 * np.where(np.arange(16) < count, -1.0, 1.0)
+
+
+EDGES = [
+    ("all-zero", lambda _: code(of(np.zeros(6))),
+     lambda _: code(Table({"x": ENOUGH}, [0.0, 0.0, 0.0, 1e-300], sd=1.0))),
+    ("too-few-conditions", lambda _: code(of(FEW)), lambda _: code(of(ENOUGH))),
+    ("no-noise", lambda _: code(of(ENOUGH, 1)), lambda _: code(of(ENOUGH, 2))),
+    ("conditions-alike", lambda _: scattered(2.9), lambda _: scattered(3.1)),
+    ("readings-reversed", lambda _: reversed_by(0.29), lambda _: reversed_by(0.31)),
+    ("nothing-computed", lambda sound: moving(sound, up_to(0), lambda _: np.full(16, np.nan)),
+     lambda sound: moving(sound, up_to(0), lambda _: np.append(np.full(15, np.nan), 1e-3))),
+    ("opposite-sign", lambda sound: moving(sound, cosine(-0.81)),
+     lambda sound: moving(sound, cosine(-0.79))),
+    ("speeds", lambda sound: moving(sound, lambda t: np.sign(t.stated), signs(3)),
+     lambda sound: moving(sound, lambda t: np.sign(t.stated), signs(2))),
+    ("reversed", lambda sound: moving(sound, is_along(1.45)),
+     lambda sound: moving(sound, is_along(1.55))),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "inside", "outside"), EDGES, ids=[each[0] for each in EDGES])
+def test_each_check_has_an_edge(name, inside, outside, sound):
+    assert inside(sound) == name
+    assert outside(sound) is None
+
+
+def test_a_drift_is_said_up_to_its_p_value(sound):
+    table = in_order(sound)
+    size = table.errors.of_reading(table.mean)[table.condition]
+
+    def said(slope):
+        y = table.y + slope * size * table.sequence / 48.0
+        return problem(table.having(y=y, mean=np.bincount(table.condition, y) / 3.0))
+
+    low, high = 0.0, 6.0
+    for _ in range(30):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if said(middle) else (middle, high)
+    assert said(low) is None
+    assert "(p = 0.002, below 0.002)" in said(high).text
 
 
 def test_what_a_set_up_shares_makes_conditions_no_less_different():

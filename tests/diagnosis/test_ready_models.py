@@ -2,6 +2,7 @@
 
 import inspect
 import itertools
+import math
 import pickle
 from dataclasses import replace
 from typing import NamedTuple
@@ -858,7 +859,6 @@ BAD = {
     "no record": (
         lambda: models.joint(inertia=1.0)(Table({"t": T}, T), {}), "joint: data = .*a Series"),
     "no data": (lambda: models.joint(inertia=1.0).terms([]), "joint: data = .*a Series"),
-    "no value": (lambda: models.joint(inertia=1.0).simulate(T, lod=1.0), "no lod; did you mean"),
     "no parameters": (lambda: diagnose_model(lambda table, p: T, LOG), "uncertain: allowed is"),
     "no function": (lambda: models.vectorised(3), "vectorised = 3: allowed is a function"),
     "an uneven clock": (lambda: models.low_pass(T**2, T, 1.0), "t: row 1 = .*even step"),
@@ -874,6 +874,23 @@ def test_bad_input_is_refused_in_one_line(what):
     with pytest.raises(ScenarioError, match=text) as error:
         call()
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_simulation_refuses_what_its_model_refuses(kind):
+    def refusal(call, *args, **values):
+        with pytest.raises(ScenarioError) as error:
+            call(*args, **values)
+        return str(error.value)
+
+    model = FACTORIES[kind](**LEAST[kind])
+    bad = [{name: value} for name, term in KINDS[kind].every.items()
+           for value in (math.nan, "much", *(() if term.signed else (-1.0,)),
+                         *(() if term.signed or term.size else (0.0,)))]  # fmt: skip
+    for values in [*bad, {"lod": 1.0}]:
+        refused = refusal(FACTORIES[kind], **{**LEAST[kind], **values})
+        assert refusal(model.simulate, T, **values) == refused
+        assert "\n" not in refused
 
 
 def test_a_model_of_one_vector_is_asked_for_one_after_another():

@@ -219,6 +219,10 @@ REFUSALS = [
     ("file", b"a" * (2 << 20), "is longer than"),
     ("file", f"{HEAD}frequency = {ENDLESS}\n", "not valid TOML"),
     ("file", f"{HEAD}x = {'[' * 9000}\n", "not valid TOML"),
+    *(("file", f"{HEAD}{text}\n", "not valid TOML: a key in it has no end") for text in (
+        "a" + ".a" * 300_000 + " = 1", f"[{'a.' * 300_000}a]", '"=#,"' + '."=#,"' * 90_000 + " = 1",
+        'x = { b = """\n""", a' + ".a" * 300_000 + " = 1 }")),
+    ("file", "\n" * 1_000_000 + "x", "not valid TOML"),
     ("file", "[drive]\n", '"stickslip = 1"'),
     ("file", "stickslip = true\n[drive]\n", "stickslip = true"),
     ("file", "stickslip_measurement = 1\n", "is a measurement"),

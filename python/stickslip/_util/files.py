@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import csv
 import hashlib
+import itertools
 import os
+import re
 import secrets
 import stat
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -17,6 +20,7 @@ from stickslip.errors import NotWritten, ScenarioError
 NETCDF_SUFFIXES = (".nc", ".nc4", ".h5")
 
 _LONGEST_NAME = 255  # bytes, of most file systems
+_LONGEST_STEM = 50  # characters of up to four bytes, with room for an ending
 
 
 def read_bytes(path: str | PathLike[str], most: int, kind: str) -> bytes:
@@ -71,6 +75,17 @@ def beside(path: Path, before: str, after: str) -> Path:
     return path.with_name(f"{before}{path.name}{after}")
 
 
+def file_names(names: Iterable[str]) -> list[str]:
+    """Names of files for texts of a user, in the same order, each of its own."""
+    made: dict[str, str] = {}  # by what a system that ignores case sees
+    for name in names:
+        plain = stem = re.sub(r"[^\w.-]+", "-", name)[:_LONGEST_STEM]
+        while plain.casefold() in made:
+            plain = f"{stem}-{len(made)}"
+        made[plain.casefold()] = plain
+    return list(made.values())
+
+
 def check_suffix(path: str | PathLike[str], allowed: tuple[str, ...]) -> None:
     """Raise a ValueError, with the suffixes that are allowed, for a name that has none of them."""
     if Path(path).suffix.lower() not in allowed:
@@ -99,8 +114,8 @@ def replacing(path: str | PathLike[str]) -> Iterator[Path]:
         temporary.touch(exist_ok=False)
         yield temporary
         os.replace(temporary, target)
-    except NotWritten:  # of another file, which it names
-        raise
+    except NotWritten as error:  # of another file, or of the temporary one
+        raise NotWritten(str(error).replace(str(temporary), str(path))) from None
     except OSError as error:
         raise NotWritten(f"cannot write {path}: {error.strerror or error}") from None
     finally:
@@ -154,6 +169,12 @@ def write_together(writers: Mapping[Path, Callable[[Path], object]]) -> None:
     with contextlib.ExitStack() as stack:
         for path, write in writers.items():
             write(stack.enter_context(replacing(path)))
+
+
+def write_rows(path: str | PathLike[str], *rows: Iterable[Iterable[object]]) -> None:
+    """Write rows as CSV, whole or not at all."""
+    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
+        csv.writer(file, lineterminator="\n").writerows(itertools.chain(*rows))
 
 
 def text_writer(text: str) -> Callable[[Path], object]:

@@ -46,6 +46,13 @@ def quoted(text: str) -> str:
     )
 
 
+def literal(value: object) -> str:
+    """A text, a number, or a list of these, as TOML and Python have it."""
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(literal, value))}]"
+    return quoted(value) if isinstance(value, str) else repr(value)
+
+
 def counted(count: int, thing: str) -> str:
     """``1 frame`` or ``3 frames``."""
     return f"{count} {thing}{'' if count == 1 else 's'}"

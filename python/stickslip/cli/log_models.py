@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import runpy
+import shlex
 import sys
 import traceback
 from collections.abc import Mapping, Sequence
@@ -12,6 +13,7 @@ from typing import Any
 from stickslip import models
 from stickslip._util.columns import Source
 from stickslip._util.messages import meant
+from stickslip._util.text import printable
 from stickslip.errors import ScenarioError
 from stickslip.models.kinds import KINDS
 from stickslip.models.log import read_in
@@ -90,15 +92,13 @@ def model_file(name: str, file: Path) -> str:
     lines = [
         f'"""{about}',
         "",
-        "What is known of it stands below, in SI units and radians.",
-        "",
-        f"    stickslip diagnose LOG.csv --model {file}:model",
-        "",
-        f"takes the columns {model.columns} of LOG.csv.",
+        f"It takes the columns {model.columns} of a log.",
         '"""',
         "",
+        f"# stickslip diagnose LOG.csv --model {shlex.quote(printable(file))}:model",
         "from stickslip import models",
         "",
+        "# What is known of it, in SI units and radians:",
         f"model = models.{name}(",
         "    # Constants: a value, or (value, standard deviation). Change these numbers.",
         *(_term(term.name, "(1.0, 0.1)", term.unit, term.meaning) for term in constants),

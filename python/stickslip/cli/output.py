@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 import stickslip
-from stickslip._util.files import check_suffix, check_writable, replacing
+from stickslip._util.files import check_suffix, check_writable, text_writer, write_together
 from stickslip._util.text import json_text, printable
 from stickslip.errors import ScenarioError, prefixed
 
@@ -83,8 +83,7 @@ def write_new(name: str, path: Path, text: str) -> None:
         raise ScenarioError(f"{path} already exists: choose another name, or remove it")
     with prefixed(name, OSError):
         check_writable(path)
-    with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    write_together({path: text_writer(text)})
     say(f"wrote {path}")
 
 

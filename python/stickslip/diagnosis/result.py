@@ -8,6 +8,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from stickslip._util.files import file_names, write_together
 from stickslip._util.html import ShownBySummary, page_text
 from stickslip._util.messages import refuse
 from stickslip._util.text import printable
@@ -100,12 +101,12 @@ class Diagnosis(Facts, ShownBySummary):
         """
         if not isinstance(folder, str | PathLike):
             refuse("folder", folder, "a path")
-        Path(folder).mkdir(parents=True, exist_ok=True)
-        paths = {
-            Path(folder, f"{name.replace(' ', '-')}.{suffix}"): figure
-            for name, figure in self.plot.of_tables().items() if figure is not None
+        drawn = {name: each for name, each in self.plot.of_tables().items() if each is not None}
+        writers = {
+            Path(folder, f"{name}.{suffix}"): figure.savefig
+            for name, figure in zip(file_names(drawn), drawn.values(), strict=True)
             for suffix in formats
-        }  # fmt: skip
-        for path, figure in paths.items():
-            figure.savefig(path)
-        return list(paths)
+        }
+        Path(folder).mkdir(parents=True, exist_ok=True)
+        write_together(writers)
+        return list(writers)

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from stickslip import _core
 from stickslip._util.arrays import Array, in_columns, numbers
 from stickslip._util.columns import read_table
-from stickslip._util.files import read_bytes
+from stickslip._util.files import read_bytes, text_writer, write_together
 from stickslip._util.messages import known_arguments, meant, refuse
 from stickslip._util.recipes import Recipe
 from stickslip.errors import ScenarioError, prefixed
@@ -188,9 +188,9 @@ class FieldMap:
         content = dataclasses.asdict(self)
         return json.dumps({**content, "crc32": _checksum(content)})
 
-    def write(self, path: Path) -> None:
+    def write(self, path: str | PathLike[str]) -> None:
         """Write the JSON file that `from_file` reads."""
-        path.write_text(self.to_json(), encoding="utf-8")
+        write_together({Path(path): text_writer(self.to_json())})
 
     @classmethod
     def from_json(cls, text: str | bytes) -> FieldMap:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from scipy.special import ndtri
 from scipy.stats.qmc import Halton
 
-from stickslip._util.arrays import Array, root_mean_square, row
+from stickslip._util.arrays import Array, root_mean_square
 from stickslip._util.messages import meant, refuse
 from stickslip._util.prior import Prior
 from stickslip._util.text import OneLine, brief, is_number
@@ -293,13 +293,12 @@ class Model(OneLine):
         Raises
         ------
         ScenarioError
-            If a name is unknown or a value is not allowed.
+            If a name is unknown or a value is not allowed, as where a model is made.
         """
-        _check_names(self.kind, values)
+        stated = replace(self, known={**self.known, **_stated(self.kind, values)})
         record = Series(t, np.zeros(np.shape(np.asarray(t))), inputs, sd=1.0)
-        self._check_record(record, values)
-        p = {name: row(name, [each])[:, None] for name, each in (self.middles | values).items()}
-        return np.asarray(self(record, p)[0])
+        p = {name: np.array([[value]]) for name, value in stated.middles.items()}
+        return np.asarray(stated(record, p)[0])
 
     def terms(self, data: Any) -> tuple[list[Parameter], list[Cause]]:
         """Uncertain parameters, and causes of usual sizes, for a `Series` or a list of them.
@@ -431,7 +430,7 @@ class Model(OneLine):
             best = nearer[np.argmax(left(nearer) <= likely)]
         return {name: float(ranges[name].value(best[k])) for k, name in enumerate(ranges)}
 
-    def _check_record(self, record: Any, given: Collection[str] = ()) -> None:
+    def _check_record(self, record: Any) -> None:
         unit, known = self.unit, self.kind.inputs
         if not isinstance(record, Series):
             allowed = "a Series or a list of them"
@@ -449,18 +448,25 @@ class Model(OneLine):
             units, carried = self._input_units[name], record.input_units.get(name)
             if carried and not any(same_unit(carried, each) for each in units):
                 refuse(f"{record.at}input {name}: unit", carried, " or ".join(units))
-        for name in known.keys() - record.inputs.keys() - self.known.keys() - {*given}:
+        for name in known.keys() - record.inputs.keys() - self.known.keys():
             if name in self.kind.every and self.kind.every[name].absent is None:
                 allowed = f"a constant or an input, {known[name]}"
                 raise ScenarioError(f"{record.at}{name} is missing: allowed is {allowed}")
 
 
-def _check_names(kind: Kind, names: Iterable[str]) -> None:
-    known = kind.every
-    for name in names:
-        if name not in known:
-            text = f"there is no {name}{meant(name, known)}; known are {', '.join(known)}"
+def _stated(kind: Kind, known: Mapping[str, Any]) -> dict[str, float | Prior]:
+    """What is known of a kind, by name; a ScenarioError if that is not allowed."""
+    terms, stated = kind.every, {}
+    for name, given in known.items():
+        if name not in terms:
+            text = f"there is no {name}{meant(name, terms)}; known are {', '.join(terms)}"
             raise ScenarioError(f"{kind.name}: {text}")
+        term, at = terms[name], f"{kind.name}: {name}"
+        stated[name] = value = _value(at, given)
+        middle = float(value.value(0.0)) if isinstance(value, Prior) else value
+        if not term.signed and not middle >= (1e-300, 0.0)[term.size > 0.0]:
+            refuse(at, middle, f"a value {'from 0' if term.size else 'above 0'}, {term.unit}")
+    return stated
 
 
 def made(
@@ -471,20 +477,14 @@ def made(
         refuse(f"{kind.name}: reads", reads, " or ".join(kind.reads))
     if isinstance(without, str) or not isinstance(without, Sequence):
         refuse(f"{kind.name}: without", without, "a list of names of causes")
-    _check_names(kind, known)
-    stated = {name: _checked(f"{kind.name}: {name}", value) for name, value in known.items()}
-    model = Model(kind, reads, stated, tuple(without), bool(smooth))
+    stated = _stated(kind, known)
     for name, term in kind.every.items():
-        middle = model.middles.get(name)
-        if middle is None and term.absent is None and name not in kind.inputs:
+        if name not in stated and term.absent is None and name not in kind.inputs:
             raise ScenarioError(f"{kind.name}: {name} is missing: allowed is {_KNOWN}, {term.unit}")
-        if middle is not None and not term.signed and not middle >= (1e-300, 0.0)[term.size > 0.0]:
-            allowed = "from 0" if term.size else "above 0"
-            refuse(f"{kind.name}: {name}", middle, f"a value {allowed}, {term.unit}")
-    return model
+    return Model(kind, reads, stated, tuple(without), bool(smooth))
 
 
-def _checked(at: str, given: object) -> float | Prior:
+def _value(at: str, given: object) -> float | Prior:
     if isinstance(given, Prior):
         return given
     if is_number(given) and math.isfinite(given):

@@ -8,7 +8,7 @@ from typing import Any
 
 from stickslip import _core
 from stickslip._util.messages import as_list, known_arguments, refuse, suggestion
-from stickslip._util.text import is_number
+from stickslip._util.text import is_number, literal
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import LAWS, Value, find_key, set_value
 
@@ -186,10 +186,6 @@ def law_lines(name: str, law: Law) -> list[str]:
     lines = ["", f"[{LAWS}{name}]"]
     for field in _FIELDS:
         value = getattr(law, field)
-        if isinstance(value, str):
-            lines.append(f'{field} = "{value}"')
-        elif field == "knots" and value is not None:
-            lines.append(f"{field} = {list(value)!r}")
-        elif value is not None:
-            lines.append(f"{field} = {value!r}")
+        if value is not None:
+            lines.append(f"{field} = {literal(value)}")
     return lines

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from os import PathLike
 from typing import Any, ClassVar, TypeVar
@@ -13,6 +12,7 @@ from numpy.typing import ArrayLike
 from stickslip import _core
 from stickslip._util.arrays import Array, in_columns
 from stickslip._util.columns import read_table
+from stickslip._util.files import write_rows
 from stickslip._util.messages import known_arguments
 from stickslip._util.recipes import Recipe
 from stickslip.errors import prefixed
@@ -68,10 +68,7 @@ class PlayedRows:
 
     def write(self, path: str | PathLike[str]) -> None:
         """Write the CSV file that `from_csv` reads."""
-        with open(path, "w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(self._columns)
-            writer.writerows(self.rows.tolist())
+        write_rows(path, [self._columns], self.rows.tolist())
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, type(self)) and np.array_equal(self.rows, other.rows)

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, Protocol
 from stickslip import _core
 from stickslip._util.files import read_bytes, text_writer, write_together
 from stickslip._util.messages import refuse, shown, suggestion
-from stickslip._util.text import printable, quoted
+from stickslip._util.text import literal, printable
 from stickslip._util.toml import parse_toml
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.effects import flat_effects
@@ -203,7 +203,7 @@ def scenario_text(scenario: Written, files: Mapping[str, str], comments: Sequenc
         lines += [_line(key, core.get(key.name)) for key in keys if key.name not in idle]
         for key, file in files.items():
             if OBJECTS[key].section == section:
-                lines.append(f"{OBJECTS[key].file.partition('.')[2]} = {quoted(file)}")
+                lines.append(f"{OBJECTS[key].file.partition('.')[2]} = {literal(file)}")
     for name, law in laws_of(core):
         lines += law_lines(name, law)
     for key, held in scenario.held.items():
@@ -216,18 +216,17 @@ def scenario_text(scenario: Written, files: Mapping[str, str], comments: Sequenc
 def _uncertain_lines(uncertain: JointPrior) -> list[str]:
     lines = ["", "[uncertain]"]
     for key, prior in uncertain.priors.items():
-        numbers = ", ".join(f"{name} = {float(value)!r}" for name, value in prior.table.items())
-        lines.append(f"{quoted(key)} = {{ {numbers} }}")
+        numbers = ", ".join(f"{of} = {literal(float(one))}" for of, one in prior.table.items())
+        lines.append(f"{literal(key)} = {{ {numbers} }}")
     if uncertain.keys:
         lines += ["", "[uncertain.covariance]", "keys = ["]
-        lines += [f"    {quoted(key)}," for key in uncertain.keys]
+        lines += [f"    {literal(key)}," for key in uncertain.keys]
         lines += ["]", "matrix = ["]
-        lines += [f"    {list(row)!r}," for row in uncertain.matrix]
+        lines += [f"    {literal(row)}," for row in uncertain.matrix]
         lines.append("]")
     return lines
 
 
 def _line(key: Key, value: Value) -> str:
-    text = quoted(value) if isinstance(value, str) else repr(value)
     comment = "" if key.unit == "-" or isinstance(value, str) else f"  # {key.unit}"
-    return f"{key.name.rpartition('.')[2]} = {text}{comment}"
+    return f"{key.name.rpartition('.')[2]} = {literal(value)}{comment}"

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import math
 import re
 from collections.abc import Mapping, Sequence
 from os import PathLike
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -17,7 +15,7 @@ from numpy.typing import ArrayLike
 from stickslip import _core
 from stickslip._util.arrays import Array, Mask, check_indexes, in_columns, locked, numbers
 from stickslip._util.columns import read_table
-from stickslip._util.files import replacing
+from stickslip._util.files import write_rows
 from stickslip._util.messages import check_above_zero, check_whole, known_arguments, refuse
 from stickslip._util.recipes import Recipe
 from stickslip._util.text import highest, is_number
@@ -211,7 +209,7 @@ class Waveform:
             row = re.sub(r"^point (\d+)", lambda k: f"row {table.lines[int(k[1]) - 1]}", str(error))
             raise ScenarioError(f"{path}: {row}") from None
 
-    def to_csv(self, path: str | PathLike[str]) -> None:
+    def write(self, path: str | PathLike[str]) -> None:
         """Write the points with every repeat in full; `from_csv` reads the same numbers.
 
         Raises
@@ -219,20 +217,12 @@ class Waveform:
         ScenarioError
             If that would be more than two million rows.
         OSError
-            If the file cannot be written; nothing is left half-written.
+            If the file cannot be written; an older file of that name is then untouched.
         """
-        with replacing(path) as temporary:
-            self.write(temporary)
-
-    def write(self, path: Path) -> None:
-        """See `to_csv`; a file that is there is overwritten."""
         rows = sum(len(t) * repeats for t, _, repeats in self.blocks)
         if rows > _MOST_ROWS:
             raise ScenarioError(f"{rows} rows of voltages: allowed are at most {_MOST_ROWS}")
-        with path.open("w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(_COLUMNS)
-            writer.writerows(np.column_stack(self.points()).tolist())
+        write_rows(path, [_COLUMNS], np.column_stack(self.points()).tolist())
 
     def to_core(self) -> _core.VoltageProgram:
         """The core's form of it."""

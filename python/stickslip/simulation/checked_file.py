@@ -12,6 +12,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import io
+import math
 import os
 import struct
 import subprocess
@@ -19,10 +20,10 @@ import sys
 import zlib
 from collections.abc import Iterator
 from os import PathLike
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from stickslip.errors import ScenarioError
-from stickslip.extras import MissingExtra
+from stickslip.extras import MissingExtra, naming_the_extra
 
 PART = ".part"
 """The end of a file's name until the file is complete."""
@@ -132,6 +133,39 @@ def checked(path: str | PathLike[str]) -> Iterator[tuple[BinaryIO | str, bool]]:
         raise ScenarioError(
             "is no netCDF file, or a damaged one; allowed is one that stickslip wrote"
         ) from None
+
+
+@contextlib.contextmanager
+def opened(path: str | PathLike[str]) -> Iterator[Any]:
+    """The file as HDF5 reads it; errors are those of `checked`."""
+    with naming_the_extra("a netCDF file"):
+        import h5py
+    with checked(path) as (source, grows), h5py.File(source, "r", swmr=grows) as file:
+        yield file
+
+
+def own_rows(file: Any, name: str, across: tuple[int, ...] = (), more: int = 0) -> int:
+    """Rows of a dataset for which an HDF5 file has room.
+
+    A ScenarioError says that it is in another file, that its rows are not of the shape `across`, or
+    that the file states over `more` rows besides.
+    """
+    import h5py
+
+    is_own = isinstance(file.get(name, getlink=True), h5py.HardLink)
+    data = file[name] if is_own else None
+    if not isinstance(data, h5py.Dataset) or data.external or data.is_virtual:
+        raise ScenarioError(f"is damaged: {name} is not in it, but a link")
+    if data.shape[1:] != across:
+        raise ScenarioError(f"is damaged: a row of {name} is of shape {data.shape[1:]}")
+    if data.chunks:
+        parts = math.prod(-(-n // part) for n, part in zip(across, data.chunks[1:], strict=True))
+        held = data.id.get_num_chunks() // parts * data.chunks[0]
+    else:
+        held = data.id.get_storage_size() // (data.id.get_type().get_size() * math.prod(across))
+    if len(data) > held + more:
+        raise ScenarioError(f"is damaged: it states {len(data)} rows of {name}, and has {held}")
+    return min(len(data), int(held))
 
 
 def _sealed(file: BinaryIO) -> BinaryIO | None:

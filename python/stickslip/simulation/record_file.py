@@ -26,7 +26,7 @@ from stickslip.errors import NotWritten, ScenarioError, prefixed
 from stickslip.extras import naming_the_extra
 from stickslip.scenario.scenario import Scenario
 from stickslip.scenario.sections import State
-from stickslip.simulation.checked_file import FORMAT, PART, checked, seal
+from stickslip.simulation.checked_file import FORMAT, PART, opened, own_rows, seal
 from stickslip.simulation.quantities import ASKED, COLUMNS, WORDS, recorded_names
 
 if TYPE_CHECKING:
@@ -254,19 +254,22 @@ class StoredRecord(Mapping[str, "NDArray[Any]"]):
     def __init__(self, path: str | PathLike[str], names: tuple[str, ...]) -> None:
         self._path = Path(path).absolute()
         self._names = names
-        with _opened(path) as file:
+        with opened(path) as file:
             missing = [name for name in names if name not in file]
             if missing:
                 raise ScenarioError(f"is no whole run: it has no {', '.join(missing)}")
             # A process that was killed may have written the last block of some columns only.
-            self.samples = min(len(file[name]) for name in names)
+            self.samples = min(
+                own_rows(file, name, (len(_core.coil_names),) * (len(_dimensions(name)) - 1), BLOCK)
+                for name in names
+            )
             self.recorded_until = float(file["t"][self.samples - 1]) if self.samples else math.nan
             self._identity = self._identified()
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         if name not in self._names:
             raise KeyError(name)
-        with prefixed(self._path), _opened(self._path) as file:
+        with prefixed(self._path), opened(self._path) as file:
             if self._identified() != self._identity:
                 raise ScenarioError("is not the file that was opened: open it again")
             array: NDArray[Any] = file[name][: self.samples]
@@ -287,15 +290,6 @@ class StoredRecord(Mapping[str, "NDArray[Any]"]):
         return status.st_ino, 0 if self._path.suffix == PART else status.st_mtime_ns
 
 
-@contextlib.contextmanager
-def _opened(path: str | PathLike[str]) -> Iterator[Any]:
-    """An HDF5 file, also one that is being written or whose writer was killed."""
-    with naming_the_extra("a netCDF file"):
-        import h5py
-    with checked(path) as (source, grows), h5py.File(source, "r", swmr=grows) as file:
-        yield file
-
-
 _ALLOWED = "allowed is a netCDF file that Run.save or --out wrote"
 
 
@@ -304,7 +298,7 @@ def stored(path: str | PathLike[str]) -> tuple[Scenario, dict[str, Any], StoredR
     if not isinstance(path, str | PathLike):  # a number is an open file
         refuse("path", path, "the name of a file")
     with prefixed(path):
-        with _opened(path) as file:
+        with opened(path) as file:
             about = {
                 name: value.item() if isinstance(value, np.ndarray) and value.size == 1 else value
                 for name, value in file.attrs.items()

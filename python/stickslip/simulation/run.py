@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import functools
 import json
 import math
@@ -15,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip import _core
-from stickslip._util.files import NETCDF_SUFFIXES, check_suffix, replacing
+from stickslip._util.files import NETCDF_SUFFIXES, check_suffix, write_rows
 from stickslip._util.note import Note
 from stickslip._util.text import printable
 from stickslip._util.units import handy
@@ -381,11 +380,7 @@ class Run(Recorded):
                 columns += [
                     np.where(np.isnan(part), "", part.astype(str)).tolist() for part in parts
                 ]
-        with (
-            replacing(path) as temporary,
-            temporary.open("w", encoding="utf-8", newline="") as file,
-        ):
-            csv.writer(file, lineterminator="\n").writerows([titles, *zip(*columns, strict=True)])
+        write_rows(path, [titles], zip(*columns, strict=True))
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write the record in the format that the suffix names: `to_netcdf` or `to_csv`.

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from stickslip._util.files import beside, replacing
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.simulation.checked_file import FORMAT, checked, seal
+from stickslip.simulation.checked_file import FORMAT, opened, own_rows, seal
 
 if TYPE_CHECKING:
     import xarray
@@ -48,19 +48,15 @@ def write(data: xarray.Dataset, path: str | PathLike[str]) -> None:
 
 def take_over(path: str | PathLike[str], data: xarray.Dataset) -> None:
     """Read the file of the same sweep into its empty Dataset."""
-    import h5py
-
-    with (
-        prefixed(f"{path} cannot be resumed"),
-        checked(path) as (source, _),
-        h5py.File(source, "r") as file,
-    ):
+    with prefixed(f"{path} cannot be resumed"), opened(path) as file:
         if file.attrs.get("sweep") != data.attrs["sweep"]:
             raise ScenarioError(
                 "it belongs to another sweep, whose scenario, points or version of stickslip differ"
             )
         for name, column in data.data_vars.items():
             if name in file:
+                if own_rows(file, str(name), column.shape[1:]) != len(column):
+                    raise ScenarioError(f"is damaged: {name} is of another sweep")
                 stored = file[name]
                 column.values[...] = (stored.asstr() if stored.dtype == object else stored)[()]
 

@@ -75,8 +75,8 @@ class FieldTable(SimulatedTable):
         seen[np.isnan(seen).any(axis=1)] = np.nan
         return seen
 
-    def _changes(self, y: Array) -> Iterator[tuple[Array, str, str]]:
-        yield from super()._changes(y)
+    def changes(self, y: Array) -> Iterator[tuple[Array, str, str]]:
+        yield from super().changes(y)
         vectors = y.reshape(-1, 3)
         for order in itertools.permutations(range(3)):
             for sign in (1.0, -1.0):

@@ -109,7 +109,7 @@ class FilmTable(SimulatedTable):
     def unit_of(self, condition: int) -> str:
         return _KINDS[str(self["column"][self.first[condition]])][1]
 
-    def _parts(self) -> list[tuple[Indices | slice, str]]:
+    def parts(self) -> list[tuple[Indices | slice, str]]:
         columns = self["column"][self.first]
         return [(np.flatnonzero(columns == name), f"Column {name}")
                 for name in _KINDS if name in columns]  # fmt: skip

@@ -8,7 +8,7 @@ from pathlib import Path
 from stickslip._util.cells import INSTRUMENTS_PAGE, CsvTable
 from stickslip._util.columns import MOST_BYTES
 from stickslip._util.files import read_bytes
-from stickslip._util.text import printable, quoted
+from stickslip._util.text import literal, printable
 from stickslip._util.units import split_unit
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import known_keys
@@ -79,7 +79,7 @@ def _lines(path: Path, observable: str, columns: Collection[str]) -> str:
     key = known_keys()["contact.kinetic_friction"]
     mean = float(key.default)
     lines = _HEAD.format(key=key.name, mean=mean, sd=0.07 * mean)
-    lines += f"[[{observable}]]\nfile = {quoted(path.name)}\n{_MORE.get(observable, '')}"
+    lines += f"[[{observable}]]\nfile = {literal(path.name)}\n{_MORE.get(observable, '')}"
     if observable == "velocity":
         names = velocities().names
         keys = [names[name] for name in columns if names.get(name) in settings()]

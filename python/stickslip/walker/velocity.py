@@ -9,15 +9,13 @@ from itertools import compress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.stats import t as t_law
 
 from stickslip import _core
 from stickslip._util.arrays import Array
 from stickslip._util.columns import index_labels
 from stickslip._util.messages import refuse
 from stickslip._util.note import Note
-from stickslip.diagnosis.data.errors import along_runs, estimate
-from stickslip.diagnosis.data.noise import whitener
+from stickslip.diagnosis.data.errors import estimate
 from stickslip.diagnosis.data.settings import Settings
 from stickslip.errors import ScenarioError, prefixed
 from stickslip.scenario.keys import Value, find_key, in_allowed_case, known_keys
@@ -29,6 +27,7 @@ from stickslip.walker.instruments import of_velocities
 from stickslip.walker.read_velocity import NOT_SETTINGS, VelocityData, with_index_columns
 from stickslip.walker.reading import Measurement
 from stickslip.walker.simulated import SimulatedTable
+from stickslip.walker.velocity_checks import CHECKS
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -43,23 +42,6 @@ below a twentieth of that of a reading of 1 %. Where it is larger it counts as r
 _FEW_PULSES = 4.0
 """Most pulses of a low-fidelity simulation. Chosen: the first that is measured differs from the
 mean of 8 by 0.05 standard errors, and from that of 30 by 0.25."""
-
-_RARE, _FEWEST_ORDERED = 0.002, 12
-"""p-value below which a drift is said, and the fewest trials to judge by. Chosen: one in 500 sound
-data sets; a slope of fewer says little."""
-
-_LASTING = 0.97
-"""Correlation of neighbours above which errors are a drift themselves. Chosen: they last for thirty
-readings, most of a table."""
-
-_OPPOSITE = -0.8
-"""Cosine between measured and predicted velocities below which their signs are reversed. Chosen:
-near the -1 of reversed signs, with room for a model that is wrong otherwise."""
-
-_REVERSED, _SIMILAR = 3, 1.5
-"""Fewest conditions of either sign that show a rule, and the largest median ratio of speeds for
-which only the sign differs. Chosen: with fewer a rule is met by chance; room for constants that are
-off."""
 
 _WALKS, _LISTED = 0.1, 4
 """Share of the median speed above which the model is said to move, and conditions that a note
@@ -188,12 +170,7 @@ class VelocityTable(SimulatedTable):
         return trials
 
     # ------------------------------------------------------------------ what is wrong with it
-    def data_fault(self, stated: Array, alone: bool = True) -> Note | None:
-        """Also velocities that drift, or that are not what the stated model can give."""
-        fault = self._tells_nothing(alone)
-        if fault or self.less:
-            return fault
-        return self._wrong_size() or self._wrong_sign() or self._drift()
+    checks = CHECKS
 
     def remarks(self) -> list[Note]:
         notes = []
@@ -226,107 +203,6 @@ class VelocityTable(SimulatedTable):
         rows = points.rows(np.arange(points.count))
         columns, _ = _core.sweep(points.scenario.to_core(), points.keys, rows, self.threads)
         return notes_of(points, columns, "conditions")
-
-    def _wrong_size(self) -> Note | None:
-        """Velocities of another size than the stated model's, or all of the opposite sign."""
-        sound = np.isfinite(self.stated)
-        if not sound.any():
-            text = (
-                "No condition can be simulated with the stated scenario and the middles of what is "
-                "uncertain: look at the settings."
-            )
-            return Note("nothing-computed", text)
-        stated, mean = self.stated[sound], self.mean[sound]
-        usual, measured = (float(np.median(np.abs(values))) for values in (stated, mean))
-        if usual == 0.0 or measured == 0.0:
-            return None
-        cosine = float(stated @ mean / (np.linalg.norm(stated) * np.linalg.norm(mean)))
-        if cosine < _OPPOSITE:
-            text = (
-                "The velocities have the opposite sign of the stated model's (a cosine of "
-                f"{cosine:.2g}); x, a direction, a mode or the clamp may be reversed."
-            )
-            return Note("opposite-sign", text, cosine)
-        return None
-
-    def _wrong_sign(self) -> Note | None:
-        """Speeds in place of velocities, or a direction or mode whose sign is reversed.
-
-        Every condition that is not slow then has the model's size, and its sign or the reverse by a
-        rule that a cause would hardly follow.
-        """
-        stated, mean = self.stated, self.mean
-        usual = float(np.nanmedian(np.abs(stated)))
-        clear = np.isfinite(stated) & (np.minimum(np.abs(stated), np.abs(mean)) > usual / 3.0)
-        turned = np.sign(mean[clear]) != np.sign(stated[clear])
-        if min(np.sum(turned), np.sum(~turned)) < _REVERSED:
-            return None
-        away = np.abs(np.log(np.abs(mean[clear] / stated[clear])))
-        if max(np.median(away[turned]), np.median(away[~turned])) > math.log(_SIMILAR):
-            return None
-        along = "A velocity is that along +x."
-        if np.array_equal(turned, stated[clear] < 0.0):
-            text = f"The velocities have the model's size without its sign, like speeds. {along}"
-            return Note("speeds", text)
-        for key in ("direction", "mode"):
-            words = np.array([str(drive[f"drive.{key}"]) for drive in self.conditions])[clear]
-            for word in np.unique(words):
-                if np.array_equal(turned, words == word):
-                    text = (
-                        "The velocities have the model's size, and the reverse of its sign "
-                        f"wherever {key} is {word}. {along}"
-                    )
-                    return Note("reversed", text)
-        return None
-
-    def _drift(self) -> Note | None:
-        """Velocities that change with time; what differs between blocks is no drift.
-
-        The value is the part by which they change from the first trial to the last.
-        """
-        parameters = self.errors.sizes
-        moves = np.bincount(self.condition, self.y != 0.0) > 0
-        used = np.isfinite(self.sequence) & moves[self.condition]
-        if "shift" in parameters:
-            used &= self.block >= 0  # a trial of no known block has an error of its own
-        if np.sum(used) < _FEWEST_ORDERED:
-            return None
-        rows, gap = along_runs(self.curve, self.sequence, used, used)
-        phi = parameters.get("phi", 0.0)
-        independent = whitener(gap, phi if phi < _LASTING else 0.0).T
-        c = self.condition[rows]
-        signs = np.sign(self.mean)[c, None]
-        free = [np.eye(len(self.mean))[c]]
-        if "shift" in parameters:
-            shares = np.eye(int(self.block.max()) + 1)[self.block[rows]]
-            free += [shares, shares * signs]
-        left, singular, _ = np.linalg.svd(independent @ np.hstack(free), full_matrices=False)
-        basis = left[:, singular > 1e-9 * singular[0]]
-        # A drift shifts all velocities alike, or all in proportion, whatever their sign.
-        error = self.errors.of_reading(self.mean)[c]
-        scatter = (self.y[rows] - self.mean[c]) / error
-        columns = np.column_stack([self.sequence[rows], scatter, scatter * signs[:, 0]])
-        whole = independent @ columns
-        time, *changes = (whole - basis @ (basis.T @ whole)).T
-        dof, power = len(rows) - basis.shape[1] - 1, float(time @ time)
-        if dof < 1 or power <= 1e-9 * float(whole[:, 0] @ whole[:, 0]):
-            return None
-        chances = []
-        for change in changes:
-            slope = float(time @ change) / power
-            rest = float(np.sum((change - slope * time) ** 2)) / dof
-            chance = 2.0 * t_law.sf(abs(slope) * math.sqrt(power / max(rest, 1e-12)), dof)
-            chances.append((chance, abs(slope)))
-        chance, slope = min(chances)
-        p_value = 2.0 * chance
-        if p_value >= _RARE:
-            return None
-        part = slope * float(np.ptp(self.sequence[rows]) * np.median(error / np.abs(self.mean[c])))
-        text = (
-            "The velocities drift with the order in which they were measured (p = "
-            f"{p_value:.1g}, below {_RARE:g}); measure the conditions again in random order."
-        )
-        return Note("drift", text, part)
 
 
 def settings_of(conditions: Conditions) -> Settings:

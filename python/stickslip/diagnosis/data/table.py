@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from graphlib import CycleError, TopologicalSorter
@@ -28,13 +27,13 @@ from stickslip._util.arrays import (
     locked,
     numbers,
     representatives,
-    root_mean_square,
     row,
 )
 from stickslip._util.messages import known_arguments, refuse
 from stickslip._util.note import Note
 from stickslip._util.text import counted
 from stickslip._util.units import unit_label
+from stickslip.diagnosis.data.checks import ALONE, Check, all_zero, changed_readings
 from stickslip.diagnosis.data.errors import estimate, no_finer_than_the_meter
 from stickslip.diagnosis.data.settings import Settings
 from stickslip.errors import ScenarioError
@@ -43,20 +42,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from typing_extensions import Self
 
-FEWEST_CONDITIONS = 4
-"""Conditions without which no cause is told from another, if there are no other data. Chosen: two
-constants and a cause leave one degree of freedom."""
-
 _FEWEST_RUNS = 3  # that are held out whole
 _NAMED = 5  # rows that a note names; of more only the number is given
-
-_SPREAD = 3.0
-"""Variance of the conditions' means, in that of their errors, below which they are alike. Chosen:
-means of nothing but errors have 1."""
-
-_LIKENESS = 0.3
-"""Part of the model's size within which changed readings are its own. Chosen: constants and causes
-of the usual size change predictions by less."""
 
 
 @known_arguments
@@ -132,6 +119,10 @@ class Table:
     """Inputs by name; only a record has such."""
     less: tuple[Table, Indices] | None = None
     """A table and its conditions whose readings are taken off."""
+    nominal: Array
+    """Predictions of the stated model that `checks` look at, shape (m,)."""
+    checks: tuple[Check, ...] = (changed_readings,)
+    """Those of readings by themselves, in their order."""
     drawable = True
     """Whether its readings share a unit, so that they are drawn over a setting."""
 
@@ -300,58 +291,16 @@ class Table:
         `stated` are predictions of the stated model, shape (m,). A table that is not `alone` may
         say little: others can tell causes apart.
         """
+        table = self.having(nominal=stated)
         # A difference has no size or sign that could be wrong.
-        return self._tells_nothing(alone) or (None if self.less else self._meant(stated))
+        checks = (all_zero, *(ALONE if alone else ()), *(() if self.less else self.checks))
+        return next(filter(None, (check(table) for check in checks)), None)
 
-    def _tells_nothing(self, alone: bool) -> Note | None:
-        if self.less is None and not np.any(self.y):
-            text = "Every reading is zero: nothing moved, so nothing can be told apart."
-            return Note("all-zero", text)
-        if not alone:
-            return None
-        mean, errors = self.mean, self.errors
-        if len(mean) < FEWEST_CONDITIONS:
-            text = f"{counted(len(mean), 'condition')} cannot tell causes apart; at least "
-            return Note("too-few-conditions", f"{text}{FEWEST_CONDITIONS} are needed.", len(mean))
-        if not errors.known:
-            return Note("no-noise", (
-                "The error of a reading is not known, so no misfit can be judged: repeat some "
-                "conditions, or state the error (velocity_sd of a measurement, sd of a table)."
-            ))  # fmt: skip
-        if self.less is None and len(mean) < len(self.y) and errors.dof < math.inf:
-            # What blocks share is no error of one condition beside another.
-            variances = errors.of_reading(mean) ** 2 / np.bincount(self.condition)
-            ratio = float(np.var(mean) / np.mean(variances))
-            if ratio < _SPREAD:
-                return Note("conditions-alike", (
-                    "The conditions differ by no more than their readings do: the variance between "
-                    f"them is {ratio:.2g} times that of their errors, and {_SPREAD:g} times is "
-                    "needed. Labels may be mixed up."
-                ), ratio)  # fmt: skip
-        return None
-
-    def _meant(self, stated: Array) -> Note | None:
-        """Readings that are the stated model's once they are reversed or exchanged.
-
-        Only a nearly perfect likeness counts: what is between is a matter of causes.
-        """
-        for rows, what in self._parts():
-            y, model = self.mean[rows], stated[rows]
-            size = root_mean_square(model)
-            if not np.isfinite(size) or size == 0.0:
-                continue
-            if root_mean_square(y - model) < size:
-                continue
-            for changed, code, text in self._changes(y):
-                if root_mean_square(changed - model) < _LIKENESS * size:
-                    return Note(code, f"{what} would fit the stated model if it were {text}.")
-        return None
-
-    def _parts(self) -> list[tuple[Indices | slice, str]]:
+    def parts(self) -> list[tuple[Indices | slice, str]]:
         """Conditions to compare, and what they are called."""
         return [(slice(None), "The table")]
 
-    def _changes(self, y: Array) -> Iterator[tuple[Array, str, str]]:
+    def changes(self, y: Array) -> Iterator[tuple[Array, str, str]]:
         """Readings as they may have been meant, with the code of the note and its words."""
         yield -y, "readings-reversed", "of the other sign"
 
