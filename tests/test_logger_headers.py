@@ -68,7 +68,7 @@ HEADERS = {
         "t_ms,rpm,torque_mNm\n0,0,1\n20,1,1\nt_ms,rpm,torque_mNm",
         (1e3 * T, RPM * Y, 1e3 * U), "joint", 'line 4, column t = "t_ms"'),
     "timetable of MATLAB": ("Time,speed,torque", ([f"{t:g} sec" for t in T], Y, U), "joint",
-                            'column t = "0 sec": allowed is the number alone'),
+                            'column t = "0 sec": allowed is a finite number of s'),
     "pandas": (",t,speed,torque", (K, T, Y, U), "joint", ""),
     "Excel": ("sep=;\nt (s);speed (rpm);torque (N m);mode", (T, RPM * Y, U, ["load"] * 12),
               "joint", ""),

@@ -13,7 +13,7 @@ import xarray as xr
 
 from command_line import COMMAND, stickslip
 from report_page import without_pictures
-from stickslip import Cause, Parameter, Prior, ScenarioError, Series, models
+from stickslip import Cause, Parameter, Prior, ScenarioError, Series, diagnose_model, models
 from stickslip.diagnosis.fitting.scatter import with_scatter
 from stickslip.diagnosis.model import posed
 
@@ -185,21 +185,21 @@ def test_readings_that_are_not_valid_are_left_out(tmp_path):
         assert told == [f"2 readings left out by column {word}."]
 
 
-NO_READING = ("", "nan", "-", "ERR", "#DIV/0!", "1.#IND", "OVLD", "null")
-NO_NUMBER = ("1.008,5", "1'008.5", "1 008", "1.0085k", "0.1 rad/s")
-
-
-@pytest.mark.parametrize("cell", [*NO_READING, *NO_NUMBER])
-def test_a_cell_is_a_gap_if_a_meter_writes_it_for_no_reading(tmp_path, cell):
-    speed = [f"{each:.4f}" for each in np.cos(T)]
-    speed[7] = cell
-    path = write(tmp_path / "a.csv", {"t": T, "speed": speed, "torque": T}, ";")
-    if cell in NO_READING:
-        assert 7 not in read(path, JOINT).rows
-        return
-    said = r"line 9, column speed = .*allowed is the number alone"
-    with pytest.raises(ScenarioError, match=said):
-        read(path, JOINT)
+def test_many_gaps_are_said_first_and_a_cut_off_end_is_no_gap(tmp_path):
+    y = JOINT.simulate(T, {"torque": TORQUE}, viscous=0.2)
+    joint = models.joint(inertia=(0.1, 0.001), viscous=(0.2, 0.01))
+    for lost, first in (
+        (7, "These data show no cause"),
+        (8, "a.csv lines 2, 3, 4, 5, 6, ...: 8 of 150 cells"),
+    ):
+        speed = ["ERR" if k < lost else f"{each:.5f}" for k, each in enumerate(y)]
+        path = write(tmp_path / "a.csv", {"t": T, "speed": speed, "torque": TORQUE})
+        found = diagnose_model(joint, read(path, joint)).summary()
+        assert found.startswith(first)
+    path.write_text(path.read_text().removesuffix("\n") + "e-\n")
+    log = read(path, joint)
+    assert len(log) == 141
+    assert '1e-"' in "".join(map(str, log.own_notes))
 
 
 @pytest.mark.parametrize(

@@ -138,7 +138,7 @@ def test_invalid_rows_are_left_out_and_reported(tmp_path):
     lines = ROWS.splitlines()
     lines[2] = lines[2].replace("0.0006", "nan")
     lines.insert(4, lines[3])
-    lines += ["0.5,3,IPP,30,day3,40", "0.001,3,IPP,fast,day3,41", "0.001,3,IPP"]
+    lines += ["0.5,3,IPP,30,day3,40", "0.001,3,IPP,n/a,day3,41", "0.001,3,IPP"]
     found = read(tmp_path, "\n".join(lines))
     said = [
         (each.code, each.text.removeprefix("velocity.csv"), each.value) for each in found.left_out
@@ -147,7 +147,7 @@ def test_invalid_rows_are_left_out_and_reported(tmp_path):
         ("rows-left-out", ": 4 of 16 rows were left out.", 4),
         ("not-a-number", ' line 3: velocity "nan" is not a number.', 1),
         ("repeated-row", " line 5: the row repeats an earlier one.", 1),
-        ("not-a-number", ' line 16: frequency "fast" is not a number.', 1),
+        ("not-a-number", ' line 16: frequency "n/a" is not a number.', 1),
         ("cell-count", " line 17: 3 cells, and the header has 6: not used.", 1),
         # The two trials at 30 Hz that are left beside it are of 0.594 and 0.606 mm/s.
         ("outlier", ": a trial of 0.5 m/s is far from the others of its condition, which are near "
@@ -159,7 +159,7 @@ def test_invalid_rows_are_left_out_and_reported(tmp_path):
 def test_rows_in_memory_are_named_by_their_label():
     table = TABLE.astype({"velocity": object, "frequency": object})
     table.loc[1, "velocity"], table.loc[10, "velocity"] = None, np.nan
-    table.loc[4, "velocity"] = "fast"
+    table.loc[4, "velocity"] = "lost"
     table.loc[7, "frequency"] = -3.0
     # A level of the index with another name says what a row is called.
     names = pd.Index([f"film {k}" for k in range(12)], name="film")
@@ -168,7 +168,7 @@ def test_rows_in_memory_are_named_by_their_label():
         assert len(data.velocity[0].velocity) == 8
         said = "\n".join(map(str, data.left_out))
         assert f"DataFrame rows {labels[1]}, {labels[10]}: velocity is empty." in said
-        assert f'DataFrame row {labels[4]}: velocity "fast" is not a number.' in said
+        assert f'DataFrame row {labels[4]}: velocity "lost" is not a number.' in said
         assert f"DataFrame row {labels[7]}: drive.frequency = -3.0: allowed is" in said
         assert "DataFrame: 4 of 12 rows were left out" in said
 
@@ -177,9 +177,7 @@ def test_lines_are_numbered_as_in_the_file_and_reasons_are_grouped(tmp_path):
     path = tmp_path / "velocity.csv"
     path.write_text(
         "# our robot\nmode,frequency,hold,velocity\n\nIPP,30,6e-4,1e-3\noop,30,6e-4,1e-3\n"
-        "oop,40,6e-4,1e-3\n# again\nIPP,50,6e-4,lost\nIPP,50,6e-4,also lost\n"
-        + "IPP,60,6e-4,\n"
-        * 6
+        "oop,40,6e-4,1e-3\n# again\nIPP,50,6e-4,lost\nIPP,50,6e-4,no data\n" + "IPP,60,6e-4,\n" * 6
     )
     data, left_out = read_velocity(read_table(path, velocities()), Scenario(), math.nan)
     assert len(data.velocity) == 1
@@ -189,7 +187,7 @@ def test_lines_are_numbered_as_in_the_file_and_reasons_are_grouped(tmp_path):
     assert set(said) - {refused} == {
         "velocity.csv: 10 of 11 rows were left out.",
         'velocity.csv line 8: velocity "lost" is not a number.',
-        'velocity.csv line 9: velocity "also lost" is not a number.',
+        'velocity.csv line 9: velocity "no data" is not a number.',
         "velocity.csv lines 10, 11, 12, 13, 14, ...: velocity is empty.",
         "velocity.csv: 1 line below the header skipped as a comment.",
     }
@@ -213,8 +211,8 @@ def test_the_order_of_trials_is_a_number_or_a_date():
     dates = pd.Timestamp("2026-01-05") + pd.to_timedelta(np.arange(12) * 60.0, "s")
     data = in_memory(TABLE.assign(order=dates))
     assert data.velocity[0].order.tolist() == [60.0 * k for k in range(12)]
-    data = in_memory(TABLE.assign(order=["first", *range(1, 11), None]))
-    assert 'DataFrame row 0: order "first" is not a number.' in map(str, data.left_out)
+    data = in_memory(TABLE.assign(order=["na", *range(1, 11), None]))
+    assert 'DataFrame row 0: order "na" is not a number.' in map(str, data.left_out)
     assert np.isnan(data.velocity[0].order[-1])  # not known
 
 

@@ -216,7 +216,7 @@ ENTRY = [
     *((lambda row=row: data().with_velocities(pd.DataFrame([row])), ScenarioError, words)
       for row, words in (
           ({"frequency": 50.0, "velocity": "1.1 mm/s"}, 'velocity = "1.1 mm/s": allowed is'),
-          ({"frequency": "fast", "velocity": 1e-3}, 'frequency "fast" is not'),
+          ({"frequency": "fast", "velocity": 1e-3}, 'frequency = "fast": allowed is'),
           ({"direction": "z", "velocity": 1e-3}, 'drive.direction = "z": allowed'),
       )),
     (lambda: posed_by(measured(drives().assign(velocity=1e-3, heading=0.5))), ScenarioError,

@@ -6,6 +6,7 @@ import codecs
 import csv
 import io
 import itertools
+import math
 import re
 import textwrap
 from collections.abc import Collection, Iterable, Iterator, Sequence
@@ -48,9 +49,53 @@ _PREAMBLE = 50
 """Lines above a header at most. Chosen: loggers write twenty."""
 _SEPARATOR_LINE = re.compile(r'"?sep=([,;|\t])"?[,; \t]*', re.IGNORECASE)
 _QUOTED = re.compile('"[^"]*"')
-_DECIMAL = re.compile(r"[+-]?(?=\d|[.,]\d)\d*([.,])\d*(?:[eE][+-]?\d+)?")
-_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
+_DECIMAL = re.compile(r"[+\u2212-]?(?=\d|[.,]\d)\d*([.,])\d*(?:[eEdD][+\u2212-]?\d+)?")
+_THOUSANDS = re.compile(r"[+\u2212-]?[1-9]\d{0,2}(,\d{3})+")
 _MARKS = {".": "point", ",": "comma"}
+
+LARGEST = 1e60
+"""Beyond every quantity of a laboratory, in any unit; its fourth power is still a number."""
+
+LIMIT = re.compile(r"[<>≤≥]=?\s*[+-]?[\d.,]+(?:[eE][+-]?\d+)?")
+"""A reading that is a limit, such as ``<25.0``: a gap."""
+
+STAMP = re.compile(
+    r"(?P<date>\d{4}[-/]\d\d[-/]\d\d[T ]\s*|\d{1,2}\.\d{1,2}\.\d{4}\s+)?"
+    r"(?P<clock>\d{1,2}:\d\d(:\d\d)?([.,]\d+)?)(Z|(?P<zone>[+-]\d\d:?\d\d))?"
+)
+"""A date or a clock as ISO 8601 writes it, or a date such as 1.5.2026."""
+
+_FORTRAN = re.compile(r"([+-]?[\d.]+)[dD]([+-]?\d+)")
+_GAP = re.compile(
+    r"|[-.\u2212\u2013\u2014]{1,6}|[+-]?(nan|inf|infinity)(\(\w*\))?|[+-]?1\.#(ind|inf|qnan|snan)0*|"
+    r"#?n/?a|null|none|nil|nat|<na>|\?+|err|error|fault|fail|failed|invalid|missing|bad|"
+    r"lost|open|no[ _]?(data|reading|value)|"
+    r"[+-]?(ol|ovl|ovld|over|overflow|overload|overrange|under|underflow|underrange)|"
+    r"#(div/0|value|num|ref|name\?|null)!?",
+    re.IGNORECASE,
+)
+"""An empty cell, and what spreadsheets, programs and meters write where they have no reading."""
+
+
+def number(cell: str) -> float | None:
+    """The number of a cell, NaN if it is a gap, or None if it is neither.
+
+    Every reader of tables takes its cells here. A minus may be U+2212, an exponent Fortran's D, and
+    True and False are 1 and 0.
+    """
+    try:
+        value = float(cell)
+    except ValueError:
+        pass
+    else:  # Python reads 1_000 as a number; no laboratory writes it.
+        if abs(value) < LARGEST and "_" not in cell:
+            return value
+    if _GAP.fullmatch(cell) or LIMIT.fullmatch(cell):
+        return math.nan
+    if cell.casefold() in ("true", "false"):
+        return float(cell.casefold() == "true")
+    usual = _FORTRAN.sub(r"\1e\2", cell.replace("\u2212", "-"))
+    return None if usual == cell else number(usual)
 
 
 def text_lines(data: bytes) -> Iterator[str]:
@@ -362,11 +407,8 @@ def named_cells(cells: list[str]) -> list[str]:
 
 
 def _is_number(cell: str) -> bool:
-    try:
-        float(cell.replace(",", "."))
-    except ValueError:
-        return False
-    return True
+    value = number(cell.replace(",", "."))
+    return value is not None and not math.isnan(value)
 
 
 def _separator_of(line: str) -> str:

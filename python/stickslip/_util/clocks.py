@@ -9,18 +9,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from stickslip._util.arrays import Array
-from stickslip._util.columns import LARGEST, Column, Line
+from stickslip._util.cells import STAMP
+from stickslip._util.columns import Column, Line
 from stickslip._util.messages import shown
 from stickslip._util.note import Note
-from stickslip._util.text import number
 from stickslip._util.units import CLOCKS, split_unit
 from stickslip.errors import ScenarioError
-
-STAMP = re.compile(
-    r"(?P<date>\d{4}[-/]\d\d[-/]\d\d[T ]\s*|\d{1,2}\.\d{1,2}\.\d{4}\s+)?"
-    r"(?P<clock>\d{1,2}:\d\d(:\d\d)?([.,]\d+)?)(Z|(?P<zone>[+-]\d\d:?\d\d))?"
-)
-"""A date or a clock as ISO 8601 writes it, or a date such as 1.5.2026."""
 
 JUMP = 20.0
 """Steps of a clock that has jumped. Chosen: a link loses a few readings, and a break loses many."""
@@ -33,11 +27,9 @@ _QUANTA = (1.0, 0.1, 0.01, 1e-3)  # of numbers with 16 or 32 bits, in their unit
 
 
 def seconds(cell: str) -> float:
-    """A time, s, as a number or as `STAMP`, with a clock of two parts in hours; NaN if none."""
+    """A time, s, of a `STAMP`, with a clock of two parts in hours; NaN of other cells."""
     stamp = STAMP.fullmatch(cell)
-    if not stamp:
-        return number(cell, LARGEST)
-    since = _nanoseconds(stamp, False)
+    since = _nanoseconds(stamp, False) if stamp else None
     return math.nan if since is None else 1e-9 * since
 
 

@@ -6,7 +6,6 @@ A file, a data frame, a Dataset and a mapping of arrays become the same `SourceT
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -25,13 +24,21 @@ from stickslip._util.arrays import (
     states_unit,
     without_unit,
 )
-from stickslip._util.cells import DECIMAL_COMMAS, MOST_COLUMNS, CsvTable
+from stickslip._util.cells import (
+    DECIMAL_COMMAS,
+    LARGEST,
+    LIMIT,
+    MOST_COLUMNS,
+    STAMP,
+    CsvTable,
+    number,
+)
 from stickslip._util.files import read_bytes, replacing
 from stickslip._util.messages import refuse, shown
 from stickslip._util.note import Note
 from stickslip._util.recipes import VALID, Match, Recipe
-from stickslip._util.text import comma_hint, counted, number, plain
-from stickslip._util.units import is_unit, split_unit, to_si
+from stickslip._util.text import counted, plain
+from stickslip._util.units import split_unit, to_si
 from stickslip.errors import ScenarioError, prefixed
 
 if TYPE_CHECKING:
@@ -40,17 +47,15 @@ if TYPE_CHECKING:
 Line = int | str
 """Number of a line in a file, or the index label of a row in memory."""
 
-LARGEST = 1e60
-"""Beyond every quantity of a laboratory, in any unit; its fourth power is still a number."""
-
 _MOST_ROWS = 2_000_000
 MOST_BYTES, MOST_EXACT = 1 << 26, 1 << 29
 """Limits of a table. Chosen: far beyond what a laboratory has, and small enough for memory. A
 program of voltages may be longer: a minute at 30 kHz is two million rows of six numbers."""
 
-_GROUPED = re.compile(r"[+-]?\d{1,3}([.,' \u00a0\u2019]\d{3})+([.,]\d+)?")
-_WITH_UNIT = re.compile(r"[+-]?\d+(?:[.,]\d+)?\s*([^\d\s.,].*)")
-_LIMIT = re.compile(r"[<>≤≥]=?\s*[+-]?[\d.,]+(?:[eE][+-]?\d+)?")
+MANY_GAPS = 0.05
+"""Part of a column; if more are gaps, that is said first. Chosen: few readings change little."""
+SAID_FIRST = "many-gaps", "rows-left-out"
+"""Codes of notes with which a summary begins."""
 
 _SAID = {"1": True, "1.0": True, "true": True, "yes": True,
          "0": False, "0.0": False, "false": False, "no": False}  # fmt: skip
@@ -87,7 +92,7 @@ class Column:
         """Its numbers, whatever it is; NaN of words."""
         if self.what.si is not None:
             return self.values
-        return np.array([number(text.replace(",", "."), LARGEST) for text in self.texts])
+        return np.array([number(text.replace(",", ".")) for text in self.texts], dtype=float)
 
     def cell(self, row: int) -> str:
         """A cell as messages show it."""
@@ -166,6 +171,18 @@ class SourceTable:
         what = [column.what for column in self.columns.values() if column.what.per != 1.0]
         made = {each.name: f"from {each.unit} to {each.si}" for each in what}
         return converted(f"{self.name}: ", made)
+
+    def many_gaps(self) -> list[Note]:
+        """A note on each column of which more than a twentieth are gaps: to be said first."""
+        notes = []
+        for column in self.known.values():
+            gaps = [k for k, cell in column.odd.items()
+                    if number(cell) is not None and k not in self.ragged]  # fmt: skip
+            if len(gaps) > MANY_GAPS * len(self):
+                text = f"{self.at(gaps)}: {len(gaps)} of {len(self)} cells of column "
+                text += f"{column.what.heading} are gaps, the first {shown(column.cell(gaps[0]))}."
+                notes.append(Note("many-gaps", text, len(gaps)))
+        return notes
 
     def not_used(self) -> list[Note]:
         """A note on the columns that are information only, if there are any."""
@@ -297,7 +314,7 @@ def _checked_header(file: CsvTable) -> list[str]:
         raise ScenarioError(_NO_ROW)
     if len(header) > MOST_COLUMNS:
         raise ScenarioError(f"{len(header)} columns; allowed are {MOST_COLUMNS}")
-    if not any(math.isnan(number(name.replace(",", "."))) for name in header if name):
+    if all(number(name.replace(",", ".")) is not None for name in header):
         raise ScenarioError("its first line is numbers: write a line of column names above it")
     named = [heading or f"column {k + 1}" for k, heading in enumerate(header)]
     if not header[0] and "index" not in header:
@@ -350,6 +367,11 @@ def _of_file(source: Source, recipe: Recipe) -> SourceTable:
              for code, (count, words, thing) in text.items() if count]  # fmt: skip
     wanted = len(recipe.entries) if recipe.exact else width
     wrong = {k: f"{count} cells, and the header has {wanted}" for k, count in ragged.items()}
+    last = len(lines) - 1
+    for column in columns.values() if last and not recipe.exact else ():
+        cell = column.odd.get(last, "")
+        if not _is_known(cell, column.what):
+            wrong[last] = f"the cell {shown(cell)}, as of a file that was cut off"
     return SourceTable(source.path, name, columns, lines, wrong, tuple(notes), word)
 
 
@@ -368,8 +390,7 @@ class _Part:
         if self.what.si is None:
             self.texts += cells
             return
-        values = np.array([number(cell, LARGEST) for cell in cells])
-        self.take_numbers(values, cells)
+        self.take_numbers(np.array(list(map(number, cells)), dtype=float), cells)
 
     def take_numbers(self, values: Array, cells: Sequence[Any]) -> None:
         """Some numbers of it, NaN in gaps, and how they are written."""
@@ -404,20 +425,26 @@ def _check_cells(table: SourceTable, recipe: Recipe) -> None:
             "decimal comma"
         )
     for name, column in table.columns.items():
+        of = "" if column.what.si in ("-", None) else f" of {column.what.si}"
+        gap = "" if recipe.exact else ", or for a gap an empty cell, nan or ERR"
+        date = ", or a date such as 2026-05-01 12:00:00.25" if column.what.clock else ""
         for k, cell in column.odd.items():
-            allowed = "the number alone, without separators of thousands and without a unit"
-            unit = _WITH_UNIT.fullmatch(cell)
-            alone = not _GROUPED.fullmatch(cell) and not (
-                unit and (is_unit(unit[1]) or unit[1] in ("k", "M", "%")))  # fmt: skip
-            if recipe.exact and alone:
-                allowed = f"a finite number of {column.what.si}{comma_hint(cell)}"
-            if recipe.exact or not alone:
-                refuse(f"{table.word} {table.lines[k]}, column {name}", cell, allowed)
+            if recipe.exact or not (k in table.ragged or _is_known(cell, column.what)):
+                refuse(
+                    f"{table.word} {table.lines[k]}, column {name}", cell,
+                    f"a finite number{of} with a decimal point, without separators "
+                    f"of thousands and without a unit{date}{gap}",
+                )  # fmt: skip
+
+
+def _is_known(cell: str, what: Match) -> bool:
+    """Whether a cell that is no number is a gap, or in a column of times a clock."""
+    return number(cell) is not None or (what.clock and STAMP.fullmatch(cell) is not None)
 
 
 def limits(column: Column) -> list[int]:
     """Rows whose cell is a limit, such as ``<25.0``: no reading, though no gap either."""
-    return [k for k, cell in column.odd.items() if _LIMIT.fullmatch(cell)]
+    return [k for k, cell in column.odd.items() if LIMIT.fullmatch(cell)]
 
 
 def _with_unit(name: str, values: Any) -> tuple[str, Any]:
@@ -471,7 +498,8 @@ def sound_numbers(
     there = {name: column.values for name, column in table.known.items()}
     required = [name for name, entry in recipe.entries.items() if entry.required]
     sound = np.all([np.isfinite(there[name]) for name in required], axis=0)
-    left_out = [*table.notes, *table.not_used()]
+    many = table.many_gaps()
+    left_out = [*many, *table.notes, *table.not_used()]
     if not sound.all():
         wrong = np.flatnonzero(~sound).tolist()
         first = wrong[0]
@@ -488,7 +516,7 @@ def sound_numbers(
         raise NothingSound(table.path, left_out[-1])
     for name, values in there.items():
         gaps = 0 if name in required else int(np.sum(~np.isfinite(values[sound])))
-        if gaps:
+        if 0 < gaps <= MANY_GAPS * len(table):
             text = f"{table.name}: the column {name} has {counted(gaps, 'cell')} without a number."
             left_out.append(Note("gaps", text, gaps))
     return {name: values[sound] for name, values in there.items()}, left_out

@@ -17,11 +17,12 @@ VALID = "valid", "ok"
 
 
 class Entry(NamedTuple):
-    """A column of a recipe: its SI unit, None of words, and its other names."""
+    """A column of a recipe: its SI unit, None of words, its other names, whether dates may be."""
 
     unit: str | None
     also: tuple[str, ...] = ()
     required: bool = False
+    clock: bool = False
 
 
 class Match(NamedTuple):
@@ -39,6 +40,8 @@ class Match(NamedTuple):
         How many of the stated unit are one SI unit.
     known : bool
         Whether the recipe has it; it is information otherwise.
+    clock : bool
+        Whether its cells may be dates and clocks.
     """
 
     heading: str
@@ -47,6 +50,7 @@ class Match(NamedTuple):
     unit: str | None = None
     per: float = 1.0
     known: bool = True
+    clock: bool = False
 
 
 @dataclass(frozen=True)
@@ -94,7 +98,8 @@ class Recipe:
                 continue
             si = self.entries[names[name]].unit
             per = 1.0 if unit is None else per_heading(heading, unit, "-" if si is None else si)
-            made.append(Match(heading, names[name], si, unit, per))
+            clock = self.entries[names[name]].clock
+            made.append(Match(heading, names[name], si, unit, per, clock=clock))
         refuse_twice([match.name for match in made])
         return made
 

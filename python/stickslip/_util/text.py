@@ -62,22 +62,6 @@ def is_number(value: object) -> TypeGuard[float]:
     return isinstance(value, numbers.Real) and not isinstance(value, bool) and not duration
 
 
-def number(cell: str, below: float = math.inf) -> float:
-    """The number of a cell of a table; NaN where it is none, or its size is not below a limit."""
-    try:
-        value = float(cell)
-    except ValueError:
-        return math.nan
-    # Python reads 1_000 as a number; no laboratory writes it.
-    return value if abs(value) < below and "_" not in cell else math.nan
-
-
-def comma_hint(cell: str) -> str:
-    """Advice about a comma in a cell that is no number; "" for a cell without one."""
-    hint = "; write numbers with a decimal point and without separators of thousands"
-    return hint if "," in cell else ""
-
-
 def highest(limit: float) -> str:
     """A computed limit, rounded down to six digits: the printed number is allowed."""
     text = f"{limit:.6g}"

@@ -102,8 +102,9 @@ class _Log(Recipe):
         if not isinstance(wanted, Columns):
             raise ScenarioError(f"model = {shown(model)}: allowed is a model of stickslip.models")
         reads = tuple(getattr(getattr(model, "kind", None), "reads", ()))
-        entries = {name: Entry(units[0], (*_ALSO.get(name, ()), *wanted.also.get(name, ())))
-                   for name, units in wanted.units.items()}  # fmt: skip
+        entries = {name: Entry(each[0], (*_ALSO.get(name, ()), *wanted.also.get(name, ())),
+                               clock=name == _TIME)
+                   for name, each in wanted.units.items()}  # fmt: skip
         return _Log(entries, wanted=wanted, also_reads=reads, units=units)
 
     def matched(self, headings: Sequence[str]) -> list[Match]:
@@ -120,7 +121,7 @@ class _Log(Recipe):
             in_si = heading.unit is None and self.units == SI and name != _ERROR
             unit = si if in_si else heading.unit
             per = 1.0 if unit is None else per_heading(heading.text, unit, si)
-            made[k] = Match(heading.text, name, si, unit, per)
+            made[k] = Match(heading.text, name, si, unit, per, clock=name == _TIME)
         return made
 
     def _with_units(self, there: list[_Heading]) -> list[_Heading]:
@@ -230,7 +231,7 @@ class _Log(Recipe):
 
     def notes(self, table: SourceTable) -> list[Note]:
         """On columns that were told by their unit, or are missing, or are not used."""
-        notes = []
+        notes = table.many_gaps()
         for name, column in table.known.items():
             heading = _Heading.of(column.what.heading)
             named = {plain(name), *self.entries[name].also}
@@ -399,9 +400,9 @@ def _whole_rows(
     gap = ~np.all(np.isfinite([*strict.values()]), axis=0)
     gap[list(table.ragged)] = True
     if count > 1 and gap[-1]:
-        notes.append(
-            Note("cut-off", f"{table.at([count - 1])}, the last, is left out, as it lacks a cell.")
-        )
+        why = f"has {table.ragged[count - 1]}" if count - 1 in table.ragged else "lacks a cell"
+        text = f"{table.at([count - 1])}, the last, is left out, as it {why}."
+        notes.append(Note("cut-off", text))
         table, t, gap = table.kept(range(count - 1)), t[:-1], gap[:-1]
     for k in np.flatnonzero(gap)[:1].tolist():
         at = f"{table.path}: {table.word} {table.lines[k]}"

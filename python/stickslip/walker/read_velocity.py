@@ -13,21 +13,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stickslip._util.arrays import RELATIVE, Array, Indices, Mask, representatives
-from stickslip._util.clocks import STAMP, seconds
-from stickslip._util.columns import Column, NothingSound, SourceTable
+from stickslip._util.cells import STAMP
+from stickslip._util.clocks import seconds
+from stickslip._util.columns import MANY_GAPS, Column, NothingSound, SourceTable
 from stickslip._util.messages import shown
 from stickslip._util.note import Note
 from stickslip._util.recipes import Entry, Match, Recipe
-from stickslip._util.text import OneLine, comma_hint, counted, plain
+from stickslip._util.text import OneLine, counted, plain
 from stickslip._util.units import is_of, quantity_of, split_unit
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import Key, Value, full_name, in_allowed_case, known_keys
 from stickslip.scenario.scenario import Scenario
 from stickslip.sweeping.points import name_of
 from stickslip.walker.outliers import far_from_their_group
-
-_MANY_LOST = 0.1
-"""Part of the rows; if more are left out, the first fact says so. Chosen: it changes the design."""
 
 _LONGEST_DAY = 12 * 3600.0
 """Time between clocks of one day, s. Chosen: as long as people measure."""
@@ -162,7 +160,7 @@ def settings() -> dict[str, Key]:
 @functools.cache
 def velocities() -> Recipe:
     """The columns that a table of velocities may have."""
-    entries = {name: Entry(unit, required=name == "velocity")
+    entries = {name: Entry(unit, required=name == "velocity", clock=name == "order")
                for name, unit in NOT_SETTINGS.items()}  # fmt: skip
     for name, key in settings().items():
         unit = None if key.kind == "word" else key.unit
@@ -334,7 +332,7 @@ def _sound_rows(
     if not kept:
         raise NothingSound(table.path, left_out[0])
     lost = count - len(kept)
-    if lost > _MANY_LOST * count:
+    if lost > MANY_GAPS * count:
         text = f"{table.name}: {lost} of {count} rows were left out."
         left_out.insert(0, Note("rows-left-out", text, lost))
     return kept, left_out
@@ -397,7 +395,7 @@ def _number(column: Column, row: int) -> float:
     value, cell = float(column.values[row]), column.cell(row)
     if math.isnan(value):
         name = column.what.name
-        text = f"{name} {shown(cell)} is not a number{comma_hint(cell)}." if cell else ""
+        text = f"{name} {shown(cell)} is not a number." if cell else ""
         raise _Unsound("not-a-number", text or f"{name} is empty.")
     return value
 

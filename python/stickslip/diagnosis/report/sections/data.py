@@ -6,6 +6,7 @@ from typing import Any, TypedDict
 
 import numpy as np
 
+from stickslip._util.columns import SAID_FIRST
 from stickslip._util.html import VERSION
 from stickslip._util.note import Note
 from stickslip.diagnosis.decision.facts import Facts
@@ -40,6 +41,8 @@ class Numbers(TypedDict, total=False):
     has (`routine`) come last."""
     left_out: list[str]
     """Sentences on what was not used, and why."""
+    gaps: list[str]
+    """Sentences on columns of which more than a twentieth are gaps; a summary begins with them."""
     conditions: list[dict[str, Any]]
     """Each reading: `table`, `number`, `settings`, `unit`, `reading`, `sd` (null where it is not
     known), `readings` (how many its mean is of), and what the `stated`, the `recalibrated` and the
@@ -52,11 +55,11 @@ class Numbers(TypedDict, total=False):
 
 def numbers(facts: Facts) -> Numbers:
     source = facts.measurement
-    lost = [] if source is None else list(map(str, source.left_out))
-    notes = [
-        {"code": note.code, "text": text, "routine": note.code in ROUTINE}
-        for note, text in (*((n, str(n)) for n in facts.notes), *_of_tables(facts, "notes"))
-    ]
+    of_all: list[Note] = [] if source is None else [*source.left_out]
+    lost = [*((note, str(note)) for note in of_all), *_of_tables(facts, "left_out")]
+    told = [*((note, str(note)) for note in facts.notes), *_of_tables(facts, "notes")]
+    notes = [{"code": note.code, "text": text, "routine": note.code in ROUTINE}
+             for note, text in told if note.code not in SAID_FIRST]  # fmt: skip
     sides = facts.rivals.sides(facts.best.params["value"].to_dict() if facts.fitted else {})
     paired = any(table.less is not None for table in facts.problem.tables)
     compared: Numbers = {"sides": sides, "paired": paired} if sides else {}
@@ -65,7 +68,8 @@ def numbers(facts: Facts) -> Numbers:
         "offered": len(facts.findings.models.offered), "of_measurement": source is not None,
         "seed": facts.findings.seed, "version": VERSION,
         "notes": sorted(notes, key=lambda row: bool(row["routine"])),
-        "left_out": [*lost, *(text for _, text in _of_tables(facts, "left_out"))],
+        "left_out": [text for note, text in lost if note.code not in SAID_FIRST],
+        "gaps": [text for note, text in (*lost, *told) if note.code in SAID_FIRST],
         "conditions": _conditions(facts), "channels": _channels(facts), **compared,
     }  # fmt: skip
 
