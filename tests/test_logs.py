@@ -130,6 +130,91 @@ def test_the_command_takes_units_of_columns(units, said, tmp_path):
     assert said in done.stderr if said else json.loads(done.stdout)["verdict"] == "none"
 
 
+# Headings of a log, what is stated, the exit status, and what is printed of columns and to be added.
+JOINED = "--model joint --set inertia=0.1"
+UNDERSTOOD = {
+    "all there": ("t (s),torque (N m),speed (deg/s)", JOINED, 0,
+                  ["t (s) time s 0 0, 0.02, 0.04 0 to 2.98", "torque (N m) input: torque N m 0 ",
+                   "speed (deg/s) reading: speed deg/s 0 0, 0.02, 0.04 0 to 2.98"], []),
+    "a constant": ("t (s),torque (N m),speed (rad/s)", "--model joint", 0, [],
+                   ["--set inertia=VALUE,ERROR (inertia, kg m^2)"]),
+    "units": ("t,torque,speed (rad/s)", JOINED, 2, ["t time 0 ", "torque input: torque 0 "],
+              ['--units "t=s,torque=N m" (or the units that these have; si if all are SI)']),
+    "units that are stated": ("t,torque,speed", f"{JOINED} --units t=ms,torque=Nm,speed=rpm", 0,
+                              ["t time ms 0 ", "speed reading: speed rpm 0 "], []),
+    "an ambient": ("t (s),power (W),temp (degC)", "--model thermal --set capacity=9 --set loss=1",
+                   2, ["temp (degC) reading: temperature degC"],
+                   ['a column "ambient (K)", or --set ambient=VALUE']),
+    "a motor's current": ("t (s),current (A),speed (rad/s)", JOINED, 2,
+                          ["current (A) not used A 0"], ['a column "torque (N m)"']),
+    "no model": ("t (s),torque (N m),speed (rad/s)", "", 0, ["torque (N m) not used N m 0"],
+                 ["--model joint or pendulum or oscillator"]),
+    "two of one name": ("t (s),speed,speed", JOINED, 2, ["t (s) not used s"], []),
+    "a wrong unit": ("t (kg),torque (N m),speed (rad/s)", JOINED, 2, ["t (kg) not used kg"], []),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", UNDERSTOOD)
+def test_read_prints_how_columns_are_understood_and_what_to_add(case, tmp_path):
+    heads, options, status, columns, add = UNDERSTOOD[case]
+    rows = [f"{k:.2f},{k:.2f},{k:.2f}" for k in T]
+    (tmp_path / "a.csv").write_text("\n".join([heads, *rows]) + "\n")
+    done = stickslip("read", "a.csv", *options.split(), cwd=tmp_path)
+    printed = done.stdout or done.stderr
+    lines = [" ".join(line.split()) for line in printed.splitlines()]
+    assert done.returncode == status, printed
+    assert "a.csv: 150 rows, from line 2 to 151" in lines
+    for column in columns:
+        assert any(line.startswith(column) for line in lines), (column, printed)
+    assert [line[4:] for line in lines if line.startswith("add ")][: len(add) or None] == add
+    if status:  # the refusal of a diagnosis is the same, with the reason on top
+        again = stickslip("diagnose", "a.csv", *options.split(), cwd=tmp_path)
+        assert (again.returncode, again.stderr) == (2, done.stderr)
+        assert lines[0].startswith("stickslip: a.csv: ")
+        assert not done.stdout
+    assert "\\" not in printed
+
+
+def test_a_cell_that_is_no_number_is_counted_by_read(tmp_path):
+    speed = ["nan" if k == 3 else "1/2" if k in (5, 9) else f"{k}" for k in range(150)]
+    write(tmp_path / "a.csv", {"t (s)": T, "speed (rad/s)": speed, "torque (N m)": TORQUE})
+    done = stickslip("read", "a.csv", "--model", "joint", "--set", "inertia=1", cwd=tmp_path)
+    assert done.returncode == 2
+    assert 'line 7, column speed = "1/2": allowed is a finite number' in done.stderr.splitlines()[0]
+    assert re.search(
+        r"speed \(rad/s\) +reading: speed +rad/s +1, 2 no number +0, 1, 2 ", done.stderr
+    )
+
+
+def test_a_log_that_is_understood_is_kept_as_a_recipe(tmp_path):
+    y = JOINT.simulate(T, {"torque": TORQUE}, viscous=0.2)
+    (tmp_path / "data").mkdir()
+    write(tmp_path / "data" / "a.csv", {"t (s)": T, "torque_Nm": TORQUE, "speed": np.degrees(y)})
+    known = ["--set", "inertia=0.1,0.001", "--set", "viscous=0.1:0.3", "--set", "without=load,zero",
+             "--set", "coulomb=0", "--set", "smooth=false"]  # fmt: skip
+    given = ["data/a.csv", "--model", "joint", *known]
+    lacking = stickslip("read", *given, "--write", "joint.toml", cwd=tmp_path)
+    assert lacking.returncode == 2
+    given += ["--units", "speed=deg/s"]
+    done = stickslip("read", *given, "--write", "joint.toml", cwd=tmp_path)
+    assert done.stdout.endswith("wrote joint.toml\n")
+    (tmp_path / "elsewhere").mkdir()
+    kept = stickslip("diagnose", "../joint.toml", "--json", cwd=tmp_path / "elsewhere")
+    assert kept.stdout == stickslip("diagnose", *given, "--json", cwd=tmp_path).stdout
+    assert json.loads(kept.stdout)["verdict"] == "none"
+    text = (tmp_path / "joint.toml").read_text()
+    for change, said in (
+        (("[constants]", "[constant]"), 'constant: there is no such key; did you mean "constants"'),
+        (('model = "joint"', ""), "model is missing"), (('"joint"', "3"), "model = 3: allowed is"),
+        (("0.001", '"a"'), "joint: inertia"),
+    ):  # fmt: skip
+        (tmp_path / "wrong.toml").write_text(text.replace(*change))
+        wrong = stickslip("diagnose", "wrong.toml", cwd=tmp_path)
+        assert (wrong.returncode, said in wrong.stderr) == (2, True), wrong.stderr
+    for more in (["data/a.csv"], ["--set", "coulomb=1"]):
+        assert stickslip("diagnose", "joint.toml", *more, cwd=tmp_path).returncode == 2
+
+
 def test_lines_above_the_names_are_skipped_and_counted(tmp_path):
     write(tmp_path / "a.csv", {"Time (s)": T, "Speed (rpm)": T, "TORQUE (Nm)": T})
     above = "Device: DAQ 7\nDate: 2026-05-01\n\n" + (tmp_path / "a.csv").read_text()

@@ -39,6 +39,7 @@ from stickslip._util.note import Note
 from stickslip._util.recipes import VALID, Match, Recipe
 from stickslip._util.text import counted, plain
 from stickslip._util.units import split_unit, to_si
+from stickslip._util.workbook import is_workbook, sheet_text
 from stickslip.errors import ScenarioError, prefixed
 
 if TYPE_CHECKING:
@@ -250,6 +251,7 @@ class Source:
         self.path = Path(given if self.is_file else type(given).__name__)
         with prefixed(self.path):
             self.data = read_bytes(given, most, "table") if self.is_file else b""
+            self.data = sheet_text(self.data) if is_workbook(self.data) else self.data
 
     def csv(self, names: Collection[str]) -> CsvTable:
         """The file from its header on, which has one of some names."""
@@ -276,11 +278,15 @@ class Source:
         with prefixed(self.path):
             return _checked_header(self.csv(names)) if self.is_file else list(self.arrays)
 
-    def read(self, recipe: Recipe) -> SourceTable:
-        """The table as a recipe says; a ScenarioError begins with the path."""
+    def read(self, recipe: Recipe, check: bool = True) -> SourceTable:
+        """The table as a recipe says; a ScenarioError begins with the path.
+
+        Without the `check`, cells that are no numbers stay, as `Column.odd`.
+        """
         with prefixed(self.path):
             table = _of_file(self, recipe) if self.is_file else _of_arrays(self, recipe)
-            _check_cells(table, recipe)
+            if check:
+                _check_cells(table, recipe)
         return replace(table, notes=(*table.notes, *table.conversions()))
 
 

@@ -21,6 +21,7 @@ COMMANDS = {
     "keys": "List or search the keys of a scenario.",
     "optimise": "Find the drive of a scenario that is best under limits.",
     "predict": "Predict the summary of a scenario with error bars.",
+    "read": "Tell how the columns of a log are understood, and what is missing.",
     "run": "Simulate one scenario and print its summary.",
     "sweep": "Simulate a scenario at all combinations of some values.",
 }

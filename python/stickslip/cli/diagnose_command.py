@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +12,12 @@ import stickslip
 from stickslip._util.columns import Source
 from stickslip._util.files import check_folder
 from stickslip._util.units import Units
-from stickslip.cli.options import FOLDER, JSON, PATH, SEED, THREADS, UNITS, pairs, stated
+from stickslip.cli.log_recipe import Kept
+from stickslip.cli.options import FOLDER, JSON, MODEL, PATH, SEED, SET_OF_MODEL, THREADS, UNITS
 from stickslip.cli.output import print_json, progress_bar, say, write_new
 from stickslip.diagnosis.report.files import FILES as REPORT
 from stickslip.diagnosis.result import Diagnosis
-from stickslip.errors import prefixed
+from stickslip.errors import ScenarioError, prefixed
 from stickslip.walker.first_lines import TableGiven
 from stickslip.walker.problem import report_files
 
@@ -26,10 +27,11 @@ _SAID_FIRST = 3
 
 @click.command(
     "diagnose",
-    help="""Find what in a MEASUREMENT (a TOML file), or in LOGs (CSV), a model does not explain.
+    help="""Find what in a MEASUREMENT (a TOML file), or in LOGs (tables), a model does not explain.
 
     A log has columns of time, of a reading and of inputs, and --model names its model. Of a table
-    of data without --model it prints the lines of the measurement that fit its columns.
+    of data without --model it prints the lines of the measurement that fit its columns. The recipe
+    of a log, which "stickslip read --write" keeps, may take the place of LOG and --model.
 
     Recalibrates the uncertain parameters, tests for a misfit, and gives a verdict: named, dominant,
     pair, ambiguous, unexplained, none or data-problem.
@@ -40,12 +42,7 @@ _SAID_FIRST = 3
     "  stickslip diagnose after.csv --against before.csv --model joint --set inertia=0.1,0.002",
 )
 @click.argument("files", type=PATH, nargs=-1, required=True, metavar="MEASUREMENT | LOG...")
-@click.option(
-    "--model",
-    metavar="NAME",
-    help="Of logs: a ready-made model, such as joint or servo, or FILE.py:NAME. Each log is a "
-    "record of its own.",
-)
+@MODEL
 @click.option(
     "--against",
     type=PATH,
@@ -53,16 +50,7 @@ _SAID_FIRST = 3
     metavar="BEFORE",
     help="What changed since BEFORE, an earlier measurement or log; of logs there may be several.",
 )
-@pairs(
-    "--set",
-    stated,
-    "NAME=VALUE, NAME=VALUE,ERROR or NAME=LOW:HIGH, such as inertia=0.1,0.002",
-    "What is known of a ready-made model, in SI units, temperatures in K if those of the log are, "
-    "else in degC: a value, a value and its standard deviation, or the ends of a range, "
-    "log-uniform if above zero; also "
-    "reads=NAME, smooth=yes and without=NAME,NAME",
-    metavar="NAME=VALUE",
-)
+@SET_OF_MODEL
 @UNITS
 @click.option(
     "--out",
@@ -90,11 +78,15 @@ def command(
     threads: int | None,
     write: bool,
 ) -> None:
-    if model is not None:
+    kept = [] if model else _kept([*files, *against])
+    if kept and (set or units is not None):
+        raise click.UsageError("--set, --units: the recipe of a log has these")
+    if model is not None or kept:
         for option, value in {"--threads": threads, "--write": write or None}.items():
             if value is not None:
                 raise click.UsageError(f"{option}: allowed without --model only")
-        _diagnose_logs(files, against, model, set, units, out, as_json, seed)
+        each = kept or [Kept(path, str(model), set, units) for path in (*files, *against)]
+        _diagnose_logs(each[: len(files)], each[len(files) :], out, as_json, seed)
         return
     measurement, *more = files
     more += against[1:]
@@ -139,17 +131,20 @@ def command(
         say(f"  in {out}: {', '.join(written)}")
 
 
+def _kept(paths: Sequence[Path]) -> list[Kept]:
+    """The recipes of logs in files; none if these are others."""
+    each = [Kept.of_file(path) for path in paths]
+    kept = [one for one in each if one is not None]
+    if kept and (len(kept) < len(each) or any(one[1:3] != kept[0][1:3] for one in kept)):
+        raise click.UsageError(f"{paths[0]}: allowed beside it are recipes of the same model")
+    return kept
+
+
 def _diagnose_logs(
-    files: Sequence[Path],
-    against: Sequence[Path],
-    model: str,
-    given: Mapping[str, Any],
-    units: Units,
-    out: Path | None,
-    as_json: bool,
-    seed: int,
+    logs_of: Sequence[Kept], against: Sequence[Kept], out: Path | None, as_json: bool, seed: int
 ) -> None:
     from stickslip.cli.log_models import load_model
+    from stickslip.cli.read_command import refuse_log
     from stickslip.models import read_log
 
     if out is None and not as_json:
@@ -157,10 +152,15 @@ def _diagnose_logs(
     if out is not None:
         with prefixed("--out", OSError):
             check_folder(out, REPORT)
-    paths = [*against, *files]
-    sources = [Source(path) for path in paths]
-    made = load_model(model, given, sources)
-    logs = [read_log(source, made, units) for source in sources]
+    kept = [*against, *logs_of]
+    paths = [each.log for each in kept]
+    sources, logs = [Source(path) for path in paths], []
+    made = load_model(kept[0].model, kept[0].known, sources)
+    for source, each in zip(sources, kept, strict=True):
+        try:
+            logs.append(read_log(source, made, each.units))
+        except ScenarioError as error:
+            refuse_log(source, made, each.units, error)
     names = [log.name for log in logs]
     logs = [log.named(f"{path.resolve().parent.name}/{log.name}")
             if names.count(log.name) > 1 else log
@@ -178,7 +178,8 @@ def _diagnose_logs(
         _print(result, as_json)
     finally:
         if out is not None:
-            told = [", ".join(path.name for path in each) for each in (files, against) if each]
+            told = [", ".join(each.log.name for each in some) for some in (logs_of, against)
+                    if some]  # fmt: skip
             result.save_report(out, title=" against ".join(told))
     if out is not None and not as_json:
         say(f"  in {out}: {', '.join(REPORT)}")

@@ -100,6 +100,12 @@ def _column_units(ctx: click.Context, param: click.Parameter, texts: Sequence[st
     return units
 
 
+MODEL = click.option(
+    "--model",
+    metavar="NAME",
+    help="Of logs: a ready-made model, such as joint or servo, or FILE.py:NAME. Each log is a "
+    "record of its own.",
+)
 UNITS = click.option(
     "--units",
     multiple=True,
@@ -168,6 +174,17 @@ def pairs(
     """A repeatable option of pairs, which a command gets as a dict."""
     how: dict[str, Any] = {"metavar": "KEY=VALUES", "callback": _once, "multiple": True, **more}
     return click.option(name, type=KeyValue(example, parse), help=f"{help}; repeatable.", **how)
+
+
+SET_OF_MODEL = pairs(
+    "--set",
+    stated,
+    "NAME=VALUE, NAME=VALUE,ERROR or NAME=LOW:HIGH, such as inertia=0.1,0.002",
+    "What is known of a ready-made model, in SI units, temperatures in K if those of the log are, "
+    "else in degC: a value, a value and its standard deviation, or the ends of a range, "
+    "log-uniform if above zero; also reads=NAME, smooth=yes and without=NAME,NAME",
+    metavar="NAME=VALUE",
+)
 
 
 def _keys_and_sign(*about: Any) -> list[CompletionItem]:

@@ -83,7 +83,7 @@ class Columns(NamedTuple):
 
 
 @dataclass(frozen=True)
-class _Log(Recipe):
+class LogRecipe(Recipe):
     """The recipe of a log of a model: its columns are known by their names, or by their units.
 
     A column is known in whatever case; ``speed_rpm`` states its unit, too. One that states its unit
@@ -96,7 +96,7 @@ class _Log(Recipe):
     units: Units = None
 
     @staticmethod
-    def of_model(model: Any, units: Units) -> _Log:
+    def of_model(model: Any, units: Units) -> LogRecipe:
         """The recipe of a model's logs."""
         wanted = getattr(model, "columns", None)
         if not isinstance(wanted, Columns):
@@ -105,7 +105,7 @@ class _Log(Recipe):
         entries = {name: Entry(each[0], (*_ALSO.get(name, ()), *wanted.also.get(name, ())),
                                clock=name == _TIME)
                    for name, each in wanted.units.items()}  # fmt: skip
-        return _Log(entries, wanted=wanted, also_reads=reads, units=units)
+        return LogRecipe(entries, wanted=wanted, also_reads=reads, units=units)
 
     def matched(self, headings: Sequence[str]) -> list[Match]:
         """The meaning of each column; a ScenarioError names one that is missing, or may be two."""
@@ -143,10 +143,9 @@ class _Log(Recipe):
 
     def check_units(self, table: SourceTable, dated: bool) -> None:
         """Refuse columns that state no unit, with the line that states it; `dated` times do."""
-        units = {each.what.heading: self.wanted.units[name][0]
-                 for name, each in table.known.items() if each.what.unit is None
-                 and "-" not in self.wanted.units[name] and name != _ERROR
-                 and not (name == _TIME and dated)}  # fmt: skip
+        units = self.without_unit(table)
+        if dated:
+            units.pop(table.columns[_TIME].what.heading, None)
         if units:
             several, heads = ("s", "") if len(units) > 1 else ("", "s")
             names, written = ", ".join(map(shown, units)), ", ".join(
@@ -157,6 +156,12 @@ class _Log(Recipe):
                 f'the right units, or add --units "{option}" (in Python units={units}); if all are '
                 f"SI, --units {SI}"
             )
+
+    def without_unit(self, table: SourceTable) -> dict[str, str]:
+        """Headings that state no unit though they have to, and the SI unit of each."""
+        return {each.what.heading: self.wanted.units[name][0]
+                for name, each in table.known.items() if each.what.unit is None
+                and "-" not in self.wanted.units[name] and name != _ERROR}  # fmt: skip
 
     def check(self, columns: Sequence[Match]) -> None:
         """Nothing more: what is missing was told by `matched`, and no name is a slip here."""
@@ -329,7 +334,7 @@ def read_log(path: str | PathLike[str] | Any, model: object, units: Units = None
         than 20 of its steps.
     """
     source = path if isinstance(path, Source) else Source(path)
-    recipe = _Log.of_model(model, units)
+    recipe = LogRecipe.of_model(model, units)
     wanted, table = recipe.wanted, source.read(recipe)
     notes = recipe.notes(table)
     t, told, dated = times(table.columns[_TIME], table.path, table.lines)
