@@ -17,7 +17,7 @@ COMMANDS = {
     "coils": "Tell what the coils and amplifiers of a scenario can do.",
     "diagnose": "Find what in measured data the model does not explain.",
     "effects": "List or search the effects of the model.",
-    "init": "Write a scenario with all keys, or a model of a log.",
+    "init": "Write a scenario with all keys.",
     "keys": "List or search the keys of a scenario.",
     "optimise": "Find the drive of a scenario that is best under limits.",
     "predict": "Predict the summary of a scenario with error bars.",

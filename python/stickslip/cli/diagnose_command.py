@@ -12,12 +12,12 @@ import stickslip
 from stickslip._util.columns import Source
 from stickslip._util.files import check_folder
 from stickslip._util.units import Units
-from stickslip.cli.log_recipe import Kept
+from stickslip.cli.log_models import LogFile, load_model
 from stickslip.cli.options import FOLDER, JSON, MODEL, PATH, SEED, SET_OF_MODEL, THREADS, UNITS
 from stickslip.cli.output import print_json, progress_bar, say, write_new
 from stickslip.diagnosis.report.files import FILES as REPORT
 from stickslip.diagnosis.result import Diagnosis
-from stickslip.errors import ScenarioError, prefixed
+from stickslip.errors import prefixed
 from stickslip.walker.first_lines import TableGiven
 from stickslip.walker.problem import report_files
 
@@ -85,7 +85,7 @@ def command(
         for option, value in {"--threads": threads, "--write": write or None}.items():
             if value is not None:
                 raise click.UsageError(f"{option}: allowed without --model only")
-        each = kept or [Kept(path, str(model), set, units) for path in (*files, *against)]
+        each = kept or [LogFile(path, str(model), units, set) for path in (*files, *against)]
         _diagnose_logs(each[: len(files)], each[len(files) :], out, as_json, seed)
         return
     measurement, *more = files
@@ -131,20 +131,26 @@ def command(
         say(f"  in {out}: {', '.join(written)}")
 
 
-def _kept(paths: Sequence[Path]) -> list[Kept]:
+def _kept(paths: Sequence[Path]) -> list[LogFile]:
     """The recipes of logs in files; none if these are others."""
-    each = [Kept.of_file(path) for path in paths]
+    each = [LogFile.of(path) for path in paths]
     kept = [one for one in each if one is not None]
-    if kept and (len(kept) < len(each) or any(one[1:3] != kept[0][1:3] for one in kept)):
+    if kept and (
+        len(kept) < len(each)
+        or any((one.model, one.set) != (kept[0].model, kept[0].set) for one in kept)
+    ):
         raise click.UsageError(f"{paths[0]}: allowed beside it are recipes of the same model")
     return kept
 
 
 def _diagnose_logs(
-    logs_of: Sequence[Kept], against: Sequence[Kept], out: Path | None, as_json: bool, seed: int
+    logs_of: Sequence[LogFile],
+    against: Sequence[LogFile],
+    out: Path | None,
+    as_json: bool,
+    seed: int,
 ) -> None:
-    from stickslip.cli.log_models import load_model
-    from stickslip.cli.read_command import refuse_log
+    from stickslip.cli.read_command import explained
     from stickslip.models import read_log
 
     if out is None and not as_json:
@@ -153,14 +159,12 @@ def _diagnose_logs(
         with prefixed("--out", OSError):
             check_folder(out, REPORT)
     kept = [*against, *logs_of]
-    paths = [each.log for each in kept]
+    paths = [each.file for each in kept]
     sources, logs = [Source(path) for path in paths], []
-    made = load_model(kept[0].model, kept[0].known, sources)
+    made = load_model(kept[0].model, kept[0].set, sources)
     for source, each in zip(sources, kept, strict=True):
-        try:
+        with explained(source, made, each.units):
             logs.append(read_log(source, made, each.units))
-        except ScenarioError as error:
-            refuse_log(source, made, each.units, error)
     names = [log.name for log in logs]
     logs = [log.named(f"{path.resolve().parent.name}/{log.name}")
             if names.count(log.name) > 1 else log
@@ -178,7 +182,7 @@ def _diagnose_logs(
         _print(result, as_json)
     finally:
         if out is not None:
-            told = [", ".join(each.log.name for each in some) for some in (logs_of, against)
+            told = [", ".join(each.file.name for each in some) for some in (logs_of, against)
                     if some]  # fmt: skip
             result.save_report(out, title=" against ".join(told))
     if out is not None and not as_json:

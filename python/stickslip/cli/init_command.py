@@ -7,13 +7,10 @@ from pathlib import Path
 
 import click
 
-from stickslip._util.files import check_suffix
 from stickslip._util.text import json_text
 from stickslip.cli.keys_command import FILES
 from stickslip.cli.options import PATH
 from stickslip.cli.output import write_new
-from stickslip.errors import prefixed
-from stickslip.extras import check_extras
 from stickslip.scenario.keys import COIL_NAMES, Key, is_of_one_coil, known_keys
 from stickslip.scenario.toml_file import FORMAT_VERSION
 
@@ -48,27 +45,13 @@ _WIDTH = 100  # as the help of the commands
     "init",
     help="""Write a scenario that walks, with all keys and what they mean, to FILE.
 
-    With --model it is a Python file with a model of a log, to change and to give to "stickslip
-    diagnose". FILE is scenario.toml, or NAME.py; one that is there is not overwritten.
+    FILE is scenario.toml; one that is there is not overwritten.
     """,
-    epilog="\b\nExample:\n  stickslip init scenario.toml\n  stickslip init --model joint joint.py",
+    epilog="\b\nExample:\n  stickslip init scenario.toml",
 )
 @click.argument("file", type=PATH, required=False)
-@click.option("--model", metavar="NAME", help="A ready-made model of a log, such as joint.")
-def command(file: Path | None, model: str | None) -> None:
-    if model is None:
-        write_new("FILE", file or Path("scenario.toml"), _commented_scenario())
-        return
-    check_extras("--model", "models")
-    from stickslip.cli.log_models import model_file
-    from stickslip.models.kinds import KINDS
-
-    if model not in KINDS:
-        raise click.UsageError(f"--model {model}: allowed is one of {', '.join(KINDS)}")
-    file = file or Path(f"{model}.py")
-    with prefixed("FILE", ValueError):
-        check_suffix(file, (".py",))
-    write_new("FILE", file, model_file(model, file))
+def command(file: Path | None) -> None:
+    write_new("FILE", file or Path("scenario.toml"), _commented_scenario())
 
 
 def _commented_scenario() -> str:

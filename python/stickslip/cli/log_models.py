@@ -1,23 +1,31 @@
-"""The models of logs that ``--model`` names, and the files that ``init --model`` writes."""
+"""The models of logs that ``--model`` names, and the files that keep how a log is read."""
 
 from __future__ import annotations
 
+import json
+import os
 import runpy
 import sys
 import traceback
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from stickslip import models
 from stickslip._util.columns import Source
-from stickslip._util.messages import meant
-from stickslip.errors import ScenarioError
+from stickslip._util.messages import check_kind, known_arguments, meant
+from stickslip._util.prior import Prior
+from stickslip._util.text import quoted
+from stickslip._util.units import Units
+from stickslip.errors import ScenarioError, prefixed
 from stickslip.models.kinds import KINDS
 from stickslip.models.log import read_in
 from stickslip.models.model import Model
 from stickslip.models.scalar import Own
+from stickslip.scenario.toml_file import read_document
 
+_VERSION = "stickslip_log"
 _ALLOWED = f"allowed is {', '.join(KINDS)} or FILE.py:NAME"
 
 
@@ -37,7 +45,7 @@ def load_model(text: str, given: Mapping[str, Any], logs: Sequence[Source]) -> A
         except ScenarioError as error:
             raise ScenarioError(
                 f"{error}; --set NAME=VALUE, NAME=VALUE,ERROR or NAME=LOW:HIGH states it, and "
-                f'"stickslip init --model {text}" writes a file with all of them'
+                f'"stickslip read LOG --model {text} --write FILE.toml" lists all of them'
             ) from None
     file, colon, name = text.rpartition(":")
     if not colon or not file.endswith(".py"):
@@ -76,45 +84,52 @@ def _line_of(path: str, error: Exception) -> str:
     return f": line {frames[-1]}" if frames else ""
 
 
-def model_file(name: str, file: Path) -> str:
-    """The text of a file with a ready-made model, whose numbers are to be changed."""
-    kind = KINDS[name]
-    terms = list(kind.every.values())
-    constants = [term for term in terms if term.absent is None]
-    model = getattr(models, name)(**{term.name: (1.0, 0.1) for term in constants})
-    effects = [term for term in terms if term.size]
-    others = [term for term in terms if term not in constants and term not in effects]
-    sensors = ", ".join(sensor.name for sensor in kind.sensors)
-    reads = " or ".join(f'"{quantity}"' for quantity in kind.reads if quantity != model.reads)
-    about = str(getattr(models, name).__doc__).split("\n", 1)[0]
-    lines = [
-        f'"""{about}',
-        "",
-        "What is known of it stands below, in SI units and radians.",
-        "",
-        f"    stickslip diagnose LOG.csv --model {file}:model",
-        "",
-        f"takes the columns {model.columns} of LOG.csv.",
-        '"""',
-        "",
-        "from stickslip import models",
-        "",
-        f"model = models.{name}(",
-        "    # Constants: a value, or (value, standard deviation). Change these numbers.",
-        *(_term(term.name, "(1.0, 0.1)", term.unit, term.meaning) for term in constants),
-        "    # Effects. One that is stated is known; the others are causes that may be named.",
-        *(f"    # {_term(term.name, '(0.1, 0.01)', term.unit, term.meaning).strip()}"
-          for term in effects),
-        "    # What has a usual value, or is found where it is not stated.",
-        *(f"    # {_term(term.name, repr(term.absent or 0.1), term.unit, term.meaning).strip()}"
-          for term in others),
-        *([f'    reads="{model.reads}",  # or {reads}'] if len(kind.reads) > 1 else []),
-        "    smooth=False,  # whether inputs change evenly between two readings, or are held",
-        f"    without=[],  # causes that are left out: effects above; {sensors}",
-        ")",
-    ]  # fmt: skip
-    return "\n".join(lines) + "\n"
+@known_arguments
+@dataclass(frozen=True)
+class LogFile:
+    """A TOML file of ``read --write``: a log, its model, what is `set` of that, units of columns."""
+
+    file: Path
+    model: str
+    units: Units = None
+    set: Mapping[str, Any] = field(default_factory=dict)
+
+    @staticmethod
+    def of(path: Path) -> LogFile | None:
+        """That of a path, from whose folder its paths begin; None of any other file."""
+        with prefixed(path):
+            is_toml = path.suffix.lower() == ".toml"
+            document = read_document(path, "recipe", f"{_VERSION} = 1") if is_toml else {}
+            if document.pop(_VERSION, None) is None:
+                return None
+            made = LogFile(**document)
+            for name, kind in {"file": str, "model": str, "set": Mapping}.items():
+                check_kind(name, getattr(made, name), kind)
+        given = {name: tuple(each) if isinstance(each, list) and name != "without" else each
+                 for name, each in made.set.items()}  # fmt: skip
+        own = str(path.parent / made.model) if ":" in made.model else made.model
+        return LogFile(path.parent / made.file, own, made.units, given)
+
+    def text(self, folder: Path) -> str:
+        """The text of its file in a folder, with all terms that are not stated as comments."""
+        paths = [os.path.relpath(each, folder) for each in (self.file, self.model)]
+        model = paths[1] if ":" in self.model else self.model
+        units = [] if self.units is None else [f"units = {_toml(self.units)}"]
+        lines = [f"{_VERSION} = 1", f"file = {quoted(paths[0])}", f"model = {quoted(model)}", *units,
+                 "", "[set]  # SI units: a value, [value, standard deviation], or a range",
+                 *(f"{name} = {_toml(each)}" for name, each in self.set.items())]  # fmt: skip
+        if kind := KINDS.get(self.model):
+            lines += [f"# {term.name} = [1.0, 0.1]  # {term.unit}: {term.meaning}"
+                      for term in kind.every.values() if term.name not in self.set]  # fmt: skip
+            lines.append(f"# reads = {' or '.join(map(quoted, kind.reads))}")
+            causes = dict.fromkeys(each.name for each in (*kind.terms, *kind.sensors) if each.size)
+            lines.append(f"# without = {_toml([*causes])}  # causes that are left out")
+        return "\n".join(lines) + "\n"
 
 
-def _term(name: str, value: str, unit: str, meaning: str) -> str:
-    return f"    {name}={value},  # {'' if unit == '-' else f'{unit}: '}{meaning}"
+def _toml(value: Any) -> str:
+    if isinstance(value, Prior):
+        return _toml({name: float(number) for name, number in value.table.items()})
+    if isinstance(value, Mapping):
+        return f"{{ {', '.join(f'{quoted(k)} = {_toml(each)}' for k, each in value.items())} }}"
+    return quoted(value) if isinstance(value, str) else json.dumps(value)

@@ -1,6 +1,6 @@
 """All ready-made models: the table of their terms, columns and usual causes, and their functions.
 
-The table is the one place of what each term is; docstrings and files of ``init --model`` are made
+The table is the one place of what each term is; docstrings and files of ``read --write`` are made
 of it.
 """
 

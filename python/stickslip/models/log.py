@@ -141,11 +141,9 @@ class LogRecipe(Recipe):
             there[of[0]] = there[of[0]]._replace(unit=unit)
         return there
 
-    def check_units(self, table: SourceTable, dated: bool) -> None:
-        """Refuse columns that state no unit, with the line that states it; `dated` times do."""
+    def check_units(self, table: SourceTable) -> None:
+        """Refuse columns that state no unit, with the line that states it."""
         units = self.without_unit(table)
-        if dated:
-            units.pop(table.columns[_TIME].what.heading, None)
         if units:
             several, heads = ("s", "") if len(units) > 1 else ("", "s")
             names, written = ", ".join(map(shown, units)), ", ".join(
@@ -161,7 +159,8 @@ class LogRecipe(Recipe):
         """Headings that state no unit though they have to, and the SI unit of each."""
         return {each.what.heading: self.wanted.units[name][0]
                 for name, each in table.known.items() if each.what.unit is None
-                and "-" not in self.wanted.units[name] and name != _ERROR}  # fmt: skip
+                and "-" not in self.wanted.units[name] and name != _ERROR
+                and not (name == _TIME and np.isnan(each.values).all())}  # fmt: skip
 
     def check(self, columns: Sequence[Match]) -> None:
         """Nothing more: what is missing was told by `matched`, and no name is a slip here."""
@@ -337,8 +336,8 @@ def read_log(path: str | PathLike[str] | Any, model: object, units: Units = None
     recipe = LogRecipe.of_model(model, units)
     wanted, table = recipe.wanted, source.read(recipe)
     notes = recipe.notes(table)
-    t, told, dated = times(table.columns[_TIME], table.path, table.lines)
-    recipe.check_units(table, dated)
+    t, told = times(table.columns[_TIME], table.path, table.lines)
+    recipe.check_units(table)
     table, t = _whole_rows(table, t, wanted, notes)
     values = _readings(table, wanted, notes)
     notes += told
