@@ -130,7 +130,7 @@ def test_the_command_takes_units_of_columns(units, said, tmp_path):
     assert said in done.stderr if said else json.loads(done.stdout)["verdict"] == "none"
 
 
-# Headings of a log, what is stated, the exit status, and what is printed of columns and to be added.
+# Headings of a log, what is stated, the exit status, what is said of columns and of what to add.
 JOINED = "--model joint --set inertia=0.1"
 UNDERSTOOD = {
     "all there": ("t (s),torque (N m),speed (deg/s)", JOINED, 0,
@@ -148,7 +148,7 @@ UNDERSTOOD = {
     "a motor's current": ("t (s),current (A),speed (rad/s)", JOINED, 2,
                           ["current (A) not used A 0"], ['a column "torque (N m)"']),
     "no model": ("t (s),torque (N m),speed (rad/s)", "", 0, ["torque (N m) not used N m 0"],
-                 ["--model joint or pendulum or oscillator"]),
+                 ["--model NAME, such as joint, axis, pendulum, oscillator, thermal, servo"]),
     "two of one name": ("t (s),speed,speed", JOINED, 2, ["t (s) not used s"], []),
     "a wrong unit": ("t (kg),torque (N m),speed (rad/s)", JOINED, 2, ["t (kg) not used kg"], []),
 }  # fmt: skip
@@ -204,14 +204,14 @@ def test_a_log_that_is_understood_is_kept_as_a_recipe(tmp_path):
     assert json.loads(kept.stdout)["verdict"] == "none"
     text = (tmp_path / "joint.toml").read_text()
     for change, said in (
-        (("[constants]", "[constant]"), 'constant: there is no such key; did you mean "constants"'),
-        (('model = "joint"', ""), "model is missing"), (('"joint"', "3"), "model = 3: allowed is"),
-        (("0.001", '"a"'), "joint: inertia"),
+        (("[set]", "[sets]"), 'there is no such argument; did you mean "set"'),
+        (('model = "joint"', ""), "LogFile: missing a required argument: 'model'"),
+        (('"joint"', "3"), "model = 3: allowed is a str"), (("0.001", '"a"'), "joint: inertia"),
     ):  # fmt: skip
         (tmp_path / "wrong.toml").write_text(text.replace(*change))
         wrong = stickslip("diagnose", "wrong.toml", cwd=tmp_path)
         assert (wrong.returncode, said in wrong.stderr) == (2, True), wrong.stderr
-    for more in (["data/a.csv"], ["--set", "coulomb=1"]):
+    for more in (["data/a.csv"], ["--set", "coulomb=1"], ["--against", "wrong.toml"]):
         assert stickslip("diagnose", "joint.toml", *more, cwd=tmp_path).returncode == 2
 
 
@@ -454,11 +454,9 @@ FEW = {"zero", "viscous", "load", "power_error"}  # beside what is hidden, as al
 @pytest.mark.parametrize(
     "name", ["thermal", *(pytest.param(k, marks=pytest.mark.nightly) for k in list(HIDDEN)[:-1])]
 )
-def test_the_file_of_init_finds_a_hidden_cause(name, tmp_path):
-    done = stickslip("init", "--model", name, cwd=tmp_path)
-    assert (done.returncode, done.stdout) == (0, f"wrote {name}.py\n")
-    text = (tmp_path / f"{name}.py").read_text()
-    constants = dict.fromkeys(re.findall(r"^    (\w+)=\(1\.0, 0\.1\)", text, re.M), 1.0)
+def test_the_recipe_of_a_log_finds_a_hidden_cause(name, tmp_path):
+    kind = models.kinds.KINDS[name]
+    constants = {term.name: 1.0 for term in kind.every.values() if term.absent is None}
     cause, true, inputs, slower = HIDDEN[name]
     model = getattr(models, name)(**constants)
     t = slower * T
@@ -466,12 +464,17 @@ def test_the_file_of_init_finds_a_hidden_cause(name, tmp_path):
     y += 0.005 * np.std(y) * np.random.default_rng(5).standard_normal(len(t))
     log = read(write(tmp_path / "log.csv", {"t": t, model.reads: y, **inputs}), model)
     less = [each.name for each in model.terms(log)[1] if each.name not in {*FEW, cause}]
-    (tmp_path / f"{name}.py").write_text(text.replace("without=[]", f"without={less}"))
-    done = stickslip(
-        "diagnose", "log.csv", "--model", f"{name}.py:model", "--units", "si", "--json",
-        "--out", "found",
-        cwd=tmp_path,
-    )  # fmt: skip
+    given = [f"--set={key}=1" for key in constants.keys() & kind.inputs.keys()]
+    done = stickslip("read", "log.csv", "--model", name, "--units", "si", "--write", "m.toml",
+                     *given, cwd=tmp_path)  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    text = (tmp_path / "m.toml").read_text()
+    for key in constants.keys() - kind.inputs.keys():
+        assert f"# {key} = [1.0, 0.1]" in text
+        text = text.replace(f"# {key} = [1.0, 0.1]", f"{key} = [1.0, 0.1]")
+    text = re.sub("# without = .*", f"without = {less}", text)
+    (tmp_path / "m.toml").write_text(text)
+    done = stickslip("diagnose", "m.toml", "--json", "--out", "found", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     said = json.loads(done.stdout)
     assert (said["verdict"], said["cause"]) == ("named", cause)

@@ -136,7 +136,6 @@ REFUSALS = [
     ("command", f"run s.toml --out {'a' * 500}.nc", "File name too long"),
     ("command", "run s.toml --out /proc/a.nc", "/proc/a.nc"),
     ("command", "init s.toml", "s.toml already exists"),
-    ("command", "init --model joint j.csv", "FILE: j.csv: allowed are names that end in .py"),
     ("command", f"{SWEEP} --threads 0", ["--threads", "0"]),
     ("command", f"{SWEEP} --dask nonsense", "--dask nonsense"),
     ("command", f"{SWEEP} --resume", ["--resume", "--out"]),
@@ -196,7 +195,7 @@ REFUSALS = [
     ("log", dict.fromkeys(range(1, 12), ""), "log.csv: is empty"),
     ("log", "--model jont", ["--model jont: allowed is joint", 'did you mean "joint"?']),
     ("log", "--model joint", ["joint: inertia is missing", "kg m^2", "--set",
-                              "init --model joint"]),
+                              "read LOG --model joint --write"]),
     ("log", f"{JOINT} --set coulomb=strong", 'joint: coulomb = "strong": allowed is a number'),
     ("log", f"{JOINT} --set viscous=0,02", ["viscous=0,02", "write 0.02 with a decimal point, or"]),
     ("log", f"{JOINT} --set viscous=3:1", "low = 3.0, high = 1.0: allowed is 0 < low < high"),
@@ -214,7 +213,7 @@ REFUSALS = [
     ("log", "--model m.py:none", "m.py: there is no model none; allowed is steel"),
     ("log", "--model m.py:steel --set inertia=1", "--set: m.py says what is known"),
     ("log", "--model wrong.py:b", "wrong.py: line 2: ZeroDivisionError"),
-    ("command", "init --model jiont", ["--model", "jiont", "joint"]),
+    ("command", "read s.csv --model joint --write a.txt", "allowed is the name of a .toml"),
     *(
         ("command", f"{name} {option.opts[0]} 1 {option.opts[-1]} 1", "is there twice")
         for name in COMMANDS

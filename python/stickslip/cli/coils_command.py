@@ -96,8 +96,7 @@ def _text(facts: CoilFacts, changes: dict[str, dict[str, float]]) -> str:
         if not math.isnan(value):
             lines.append(f"    {words:<20} {value:.4g} {unit}")
     for dimension, parts in changes.items():
-        texts = [
-            f"{n.replace('_', ' ')} {100 * p:+.2g} %" for n, p in parts.items() if abs(p) > 1e-9
-        ]
+        texts = [f"{name.replace('_', ' ')} {100 * part:+.2g} %"
+                 for name, part in parts.items() if abs(part) > 1e-9]  # fmt: skip
         lines.append(f"    {'5 % more ' + dimension:<20} {', '.join(texts)}")
     return "\n".join(lines)

@@ -10,14 +10,12 @@ import click
 
 import stickslip
 from stickslip._util.columns import Source
-from stickslip._util.files import check_folder
 from stickslip._util.units import Units
 from stickslip.cli.log_models import LogFile, load_model
 from stickslip.cli.options import FOLDER, JSON, MODEL, PATH, SEED, SET_OF_MODEL, THREADS, UNITS
-from stickslip.cli.output import print_json, progress_bar, say, write_new
+from stickslip.cli.output import folder_of, print_json, progress_bar, say, write_new
 from stickslip.diagnosis.report.files import FILES as REPORT
 from stickslip.diagnosis.result import Diagnosis
-from stickslip.errors import prefixed
 from stickslip.walker.first_lines import TableGiven
 from stickslip.walker.problem import report_files
 
@@ -106,69 +104,46 @@ def command(
     earlier = stickslip.read_measurement(against[0]) if against else None
     sides = [data] if earlier is None else [earlier, data]
     # Before what takes minutes: a cell with a slip of the pen may be worth mending first.
-    left_out = [row for each in sides for row in each.left_out]
-    for row in left_out[:_SAID_FIRST]:
+    left_out: list[object] = [row for each in sides for row in each.left_out]
+    left_out[_SAID_FIRST:] = ["and more, which the report lists"] * (len(left_out) > _SAID_FIRST)
+    for row in left_out:
         say(f"stickslip: {row}", err=True)
-    if len(left_out) > _SAID_FIRST:
-        say("stickslip: and more, which the report lists", err=True)
-    if out is None and not as_json:
-        out = Path("diagnosis")
     written = report_files(*(each.scenario for each in sides))
-    if out is not None:
-        with prefixed("--out", OSError):
-            check_folder(out, written)
+    out = folder_of(out, as_json, "diagnosis", written)
     with progress_bar() as bar:
         result = stickslip.diagnose(data, against=earlier, seed=seed, threads=threads, progress=bar)
         if earlier is None:
             bar(1.0, "next experiment")
             result.propose_experiments()
-    try:
-        _print(result, as_json)
-    finally:  # a reader that closes the pipe loses no file
-        if out is not None:
-            result.save_report(out)
-    if out is not None and not as_json:
-        say(f"  in {out}: {', '.join(written)}")
+    _tell(result, out, as_json, written)
 
 
 def _kept(paths: Sequence[Path]) -> list[LogFile]:
     """The recipes of logs in files; none if these are others."""
-    each = [LogFile.of(path) for path in paths]
-    kept = [one for one in each if one is not None]
-    if kept and (
-        len(kept) < len(each)
-        or any((one.model, one.set) != (kept[0].model, kept[0].set) for one in kept)
-    ):
+    kept = [one for path in paths if (one := LogFile.of(path)) is not None]
+    alike = all((one.model, one.set) == (kept[0].model, kept[0].set) for one in kept)
+    if kept and not (alike and len(kept) == len(paths)):
         raise click.UsageError(f"{paths[0]}: allowed beside it are recipes of the same model")
     return kept
 
 
 def _diagnose_logs(
-    logs_of: Sequence[LogFile],
-    against: Sequence[LogFile],
-    out: Path | None,
-    as_json: bool,
-    seed: int,
+    files: Sequence[LogFile], against: Sequence[LogFile], out: Path | None, as_json: bool, seed: int
 ) -> None:
     from stickslip.cli.read_command import explained
     from stickslip.models import read_log
 
-    if out is None and not as_json:
-        out = Path("diagnosis")
-    if out is not None:
-        with prefixed("--out", OSError):
-            check_folder(out, REPORT)
-    kept = [*against, *logs_of]
-    paths = [each.file for each in kept]
-    sources, logs = [Source(path) for path in paths], []
+    out = folder_of(out, as_json, "diagnosis", REPORT)
+    kept, logs = [*against, *files], []
+    sources = [Source(each.file) for each in kept]
     made = load_model(kept[0].model, kept[0].set, sources)
     for source, each in zip(sources, kept, strict=True):
         with explained(source, made, each.units):
             logs.append(read_log(source, made, each.units))
     names = [log.name for log in logs]
-    logs = [log.named(f"{path.resolve().parent.name}/{log.name}")
+    logs = [log.named(f"{each.file.resolve().parent.name}/{log.name}")
             if names.count(log.name) > 1 else log
-            for log, path in zip(logs, paths, strict=True)]  # fmt: skip
+            for log, each in zip(logs, kept, strict=True)]  # fmt: skip
     for log in logs:
         for note in log.own_notes:
             say(f"stickslip: {log.name}: {note}", err=True)
@@ -178,21 +153,21 @@ def _diagnose_logs(
             result = stickslip.diagnose_change(made, *sides, seed=seed, progress=bar)
         else:
             result = stickslip.diagnose_model(made, logs, seed=seed, progress=bar)
+    told = [", ".join(each.file.name for each in some) for some in (files, against) if some]
+    _tell(result, out, as_json, REPORT, " against ".join(told))
+
+
+def _tell(
+    result: Diagnosis, out: Path | None, as_json: bool, written: Sequence[str], title: Any = None
+) -> None:
+    """Print what was found, and write it. Printing comes first, as a disk may be full."""
     try:
-        _print(result, as_json)
-    finally:
-        if out is not None:
-            told = [", ".join(each.file.name for each in some) for some in (logs_of, against)
-                    if some]  # fmt: skip
-            result.save_report(out, title=" against ".join(told))
-    if out is not None and not as_json:
-        say(f"  in {out}: {', '.join(REPORT)}")
-
-
-def _print(result: Diagnosis, as_json: bool) -> None:
-    """Print what was found. That comes before files, as a disk may be full."""
-    if as_json:
-        print_json(result.as_dict())
-    else:
-        for line in result.summary().splitlines():
+        if as_json:
+            print_json(result.as_dict())
+        for line in () if as_json else result.summary().splitlines():
             say(line)
+    finally:  # a reader that closes the pipe loses no file
+        if out is not None:
+            result.save_report(out, title=title)
+    if out is not None and not as_json:
+        say(f"  in {out}: {', '.join(written)}")

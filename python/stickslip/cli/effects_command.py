@@ -38,14 +38,9 @@ def command(word: str, as_json: bool) -> None:
 
 
 def _as_dict(effect: Effect) -> dict[str, object]:
-    return {
-        "name": effect.name,
-        "meaning": effect.meaning,
-        "source": effect.source,
-        "parameters": [
-            {"name": key.name.rpartition(".")[2], **as_dict(key)} for key in effect.parameters
-        ],
-    }
+    fields = {name: getattr(effect, name) for name in ("name", "meaning", "source")}
+    names = {key.name.rpartition(".")[2]: key for key in effect.parameters}
+    return {**fields, "parameters": [{"name": name, **as_dict(key)} for name, key in names.items()]}
 
 
 def _text(effect: Effect) -> str:

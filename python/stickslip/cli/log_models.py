@@ -87,7 +87,7 @@ def _line_of(path: str, error: Exception) -> str:
 @known_arguments
 @dataclass(frozen=True)
 class LogFile:
-    """A TOML file of ``read --write``: a log, its model, what is `set` of that, units of columns."""
+    """A TOML file of ``read --write``: a log, its model, what is `set` of that, and units."""
 
     file: Path
     model: str
@@ -112,18 +112,19 @@ class LogFile:
 
     def text(self, folder: Path) -> str:
         """The text of its file in a folder, with all terms that are not stated as comments."""
-        paths = [os.path.relpath(each, folder) for each in (self.file, self.model)]
-        model = paths[1] if ":" in self.model else self.model
-        units = [] if self.units is None else [f"units = {_toml(self.units)}"]
-        lines = [f"{_VERSION} = 1", f"file = {quoted(paths[0])}", f"model = {quoted(model)}", *units,
+        model = os.path.relpath(self.model, folder) if ":" in self.model else self.model
+        top = {_VERSION: 1, "file": os.path.relpath(self.file, folder), "model": model}
+        top |= {} if self.units is None else {"units": self.units}
+        lines = [*(f"{name} = {_toml(each)}" for name, each in top.items()),
                  "", "[set]  # SI units: a value, [value, standard deviation], or a range",
                  *(f"{name} = {_toml(each)}" for name, each in self.set.items())]  # fmt: skip
         if kind := KINDS.get(self.model):
             lines += [f"# {term.name} = [1.0, 0.1]  # {term.unit}: {term.meaning}"
                       for term in kind.every.values() if term.name not in self.set]  # fmt: skip
             lines.append(f"# reads = {' or '.join(map(quoted, kind.reads))}")
-            causes = dict.fromkeys(each.name for each in (*kind.terms, *kind.sensors) if each.size)
-            lines.append(f"# without = {_toml([*causes])}  # causes that are left out")
+            causes = [*(term.name for term in kind.terms if term.size),
+                      *dict.fromkeys(sensor.name for sensor in kind.sensors)]  # fmt: skip
+            lines.append(f"# without = {_toml(causes)}  # causes that are left out")
         return "\n".join(lines) + "\n"
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 import stickslip
-from stickslip._util.files import check_suffix, check_writable, replacing
+from stickslip._util.files import check_folder, check_suffix, check_writable, replacing
 from stickslip._util.text import json_text, printable
 from stickslip.errors import ScenarioError, prefixed
 
@@ -75,6 +75,17 @@ def check_files(read: Iterable[Path], /, **written: tuple[Path | None, tuple[str
         with prefixed(f"--{name}", ValueError):
             check_suffix(path, suffixes) if suffixes else stickslip.plot.check_format(path)
         taken[target] = f"is that of --{name} too"
+
+
+def folder_of(
+    out: Path | None, as_json: bool, usual: str, written: Sequence[str] = ()
+) -> Path | None:
+    """The folder of ``--out``, in which files can be `written`; None where JSON alone is wanted."""
+    folder = Path(usual) if out is None and not as_json else out
+    if folder is not None:
+        with prefixed("--out", OSError):
+            check_folder(folder, written)
+    return folder
 
 
 def write_new(name: str, path: Path, text: str) -> None:

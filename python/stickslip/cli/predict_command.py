@@ -107,9 +107,8 @@ def command(
         _print(data, figures)
     failed, redrawn = int(data.attrs["failed_draws"]), int(data.attrs["redrawn"])
     if redrawn:
-        output.say(
-            f"stickslip: note: {redrawn} more draws made no scenario and were drawn again", err=True
-        )
+        text = f"{redrawn} more draws made no scenario and were drawn again"
+        output.say(f"stickslip: note: {text}", err=True)
     if failed:
         text = f"{failed} of {count} draws failed and are in no quantile; the first: "
         output.say(f"stickslip: {text}{data.attrs['message']}", err=True)
@@ -152,11 +151,8 @@ def _print(data: xarray.Dataset, chosen: list[str]) -> None:
     names = [f"{name}_q{100.0 * level:g}" for name in figures for level in data["quantile"].values]
     shown = [*map(str, data["failed"].coords), *names, "failed"]
     output.print_points({(name, units[name] or "-"): table[name] for name in shown})
-    points, draws, failures = (
-        data["failed"].size,
-        int(data.attrs["draws"]),
-        int(data.attrs["failed_draws"]),
-    )
+    points, draws = data["failed"].size, int(data.attrs["draws"])
+    failures = int(data.attrs["failed_draws"])
     rows = [("points", str(points)), ("draws", f"{draws} of each, {failures} of all failed")]
     if failures < points * draws:
         lowest = float(data["quantile"].min())

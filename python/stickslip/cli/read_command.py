@@ -74,16 +74,14 @@ def command(
 
 
 @contextlib.contextmanager
-def explained(
-    source: Source, model: Any, units: Units, lacks: Sequence[str] = ()
-) -> Iterator[None]:
+def explained(source: Source, model: Any, units: Units, add: Sequence[str] = ()) -> Iterator[None]:
     """Where a log is refused, print why and how it is understood, and exit."""
     try:
         yield
     except ScenarioError as error:
         say(f"stickslip: {error}", err=True)
         with contextlib.suppress(ScenarioError):  # no table: the reason says all
-            _say_columns(source, model, units, lacks, err=True)
+            _say_columns(source, model, units, add, err=True)
         raise click.exceptions.Exit(BAD_INPUT) from None
 
 
@@ -135,10 +133,9 @@ def _row(column: Column, wanted: Columns) -> tuple[str, ...]:
     wrong = 0 if what.clock or not what.known else cells.count(None)
     gaps = sum(each is not None and math.isnan(each) for each in cells)
     known = values[np.isfinite(values)]
-    unit = what.unit or split_unit(what.heading)[1]
     return tuple(shortened(each, _WIDE) for each in (
         what.heading, "valid rows" if plain(what.name) in VALID else is_used,
-        unit or ("date" if what.clock and not len(known) else ""),
+        what.unit or split_unit(what.heading)[1] or ("" if len(known) else "date" * what.clock),
         f"{gaps}, {wrong} no number" if wrong else str(gaps),
         ", ".join(column.cell(k) for k in range(min(3, len(values)))),
         f"{known.min():.5g} to {known.max():.5g}" if len(known) else "",

@@ -191,10 +191,8 @@ def _rows(run: Run) -> Iterator[tuple[str, str]]:
     window = f"over {summary['window_start']:.6g} to {summary['window_end']:.6g} s"
     yield "measured", window if math.isfinite(summary["mean_velocity"]) else "nothing"
     counts = {**summary["events"], "painleve": summary["painleve_events"]}
-    yield (
-        "events",
-        ", ".join(f"{kind} {count}" for kind, count in counts.items() if count) or "none",
-    )
+    there = [f"{kind} {count}" for kind, count in counts.items() if count]
+    yield "events", ", ".join(there) or "none"
     for line in shown_lines(run.notes):
         yield "note", line
 

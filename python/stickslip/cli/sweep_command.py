@@ -151,10 +151,9 @@ def _as_dict(data: xarray.Dataset, table: DataFrame) -> dict[str, Any]:
     """Counts, extremes and the points in order, in the words of a single run's summary."""
     keys = _keys(data)
     table = table.rename(columns=keys)
-    counts = table.filter(regex="^events_").rename(
-        columns=lambda name: name.removeprefix("events_")
-    )
-    results = table.drop(columns=table.filter(regex="^events_").columns).to_dict("records")
+    counts = table.filter(regex="^events_")
+    results = table.drop(columns=counts.columns).to_dict("records")
+    counts = counts.rename(columns=lambda name: name.removeprefix("events_"))
     for point, events in zip(results, counts.to_dict("records"), strict=True):
         point["events"] = events
     return {
@@ -190,10 +189,8 @@ def _print(data: xarray.Dataset, table: DataFrame) -> None:
     ]
     for name, point in _extremes(data, table.rename(columns=keys)).items():
         figure, value = point.popitem()
-        at = ", ".join(
-            f"{keys[key]} = {point[keys[key]]} {units[key]}".removesuffix(" 1").rstrip()
-            for key in keys
-        )
+        at = ", ".join(f"{keys[key]} = {point[keys[key]]} {units[key]}".removesuffix(" 1").rstrip()
+                       for key in keys)  # fmt: skip
         direction = f"{value * 1e3:.6g} mm/s {velocities[figure]}".rstrip()
         rows.append((name, f"{direction} at {at}"))
     output.print_rows([*rows, *(("note", line) for line in lines_of_json(data.attrs["notes"]))])

@@ -55,7 +55,7 @@ class Numbers(TypedDict, total=False):
 
 def numbers(facts: Facts) -> Numbers:
     source = facts.measurement
-    of_all: list[Note] = [] if source is None else [*source.left_out]
+    of_all: list[Any] = [] if source is None else [*source.left_out]
     lost = [*((note, str(note)) for note in of_all), *_of_tables(facts, "left_out")]
     told = [*((note, str(note)) for note in facts.notes), *_of_tables(facts, "notes")]
     notes = [{"code": note.code, "text": text, "routine": note.code in ROUTINE}
