@@ -111,9 +111,10 @@ def test_conditions_without_motion_are_not_a_finding(tmp_path):
 
 
 def unread(lines):
-    """Two trials of one condition are words."""
-    rows = (each.rsplit(",", 1) for each in lines[1:3])
-    return [lines[0], *(f"{rest},lost {value}" for rest, value in rows), *lines[3:]]
+    """Two trials of one condition have marks of no value."""
+    rows = (each.rsplit(",", 1)[0] for each in lines[1:3])
+    marks = zip(rows, ("lost", "ERR"), strict=True)
+    return [lines[0], *map(",".join, marks), *lines[3:]]
 
 
 def drifting(lines):
@@ -152,7 +153,7 @@ def test_data_that_allow_no_diagnosis_are_told_with_the_reason(tmp_path, change,
     ("change", "said"),
     [
         (lambda lines: [lines[0], *(each.replace("+x", "+X") for each in lines[:0:-1])], None),
-        (unread, 'velocity.csv line 3: velocity "lost 0.001'),
+        (unread, 'velocity.csv line 3: velocity "ERR" is not a number'),
     ],
     ids=["out of order, capitals", "not read"],
 )
