@@ -4,6 +4,7 @@ import codecs
 import itertools
 import math
 import re
+import zipfile
 from collections.abc import Mapping
 
 import numpy as np
@@ -264,6 +265,18 @@ def test_a_workbook_is_read_as_the_table_that_it_holds(tmp_path, kind):
     (tmp_path / "c.xlsx").write_bytes((tmp_path / "a.xlsx").read_bytes()[:-40])
     with pytest.raises(ScenarioError, match=r"c\.xlsx: is a .*damaged workbook"):
         read(tmp_path / "c.xlsx")
+
+
+def test_a_workbook_that_unpacks_to_too_much_is_not_opened(tmp_path):
+    path = workbook(tmp_path / "a.xlsx", one=[["t", "x"], [0.0, 1.0]])
+    with (
+        zipfile.ZipFile(path, "a", zipfile.ZIP_DEFLATED) as archive,
+        archive.open("xl/more.xml", "w") as file,
+    ):
+        for _ in range(513):
+            file.write(bytes(1 << 20))
+    with pytest.raises(ScenarioError, match=r"unpacks to 513 MiB: allowed are 512 MiB"):
+        read_table(path, Recipe.of(FRAMES))
 
 
 def test_a_workbook_has_times_texts_and_errors_of_its_own(tmp_path):

@@ -176,7 +176,7 @@ class SourceTable:
     def many_gaps(self) -> list[Note]:
         """A note on each column of which more than a twentieth are gaps: to be said first."""
         notes = []
-        for column in self.known.values():
+        for column in (each for each in self.known.values() if not each.what.clock):
             gaps = [k for k, cell in column.odd.items()
                     if number(cell) is not None and k not in self.ragged]  # fmt: skip
             if len(gaps) > MANY_GAPS * len(self):
@@ -445,11 +445,11 @@ def _check_cells(table: SourceTable, recipe: Recipe) -> None:
 
 def _is_known(cell: str, what: Match) -> bool:
     """Whether a cell that is no number is a gap, or in a column of times a clock."""
-    return number(cell) is not None or (what.clock and STAMP.fullmatch(cell) is not None)
+    return (what.clock and STAMP.fullmatch(cell) is not None) or number(cell) is not None
 
 
 def limits(column: Column) -> list[int]:
-    """Rows whose cell is a limit, such as ``<25.0``: no reading, though no gap either."""
+    """Rows whose cell is a limit, such as ``<25.0``: a gap of its own kind."""
     return [k for k, cell in column.odd.items() if LIMIT.fullmatch(cell)]
 
 
@@ -504,8 +504,7 @@ def sound_numbers(
     there = {name: column.values for name, column in table.known.items()}
     required = [name for name, entry in recipe.entries.items() if entry.required]
     sound = np.all([np.isfinite(there[name]) for name in required], axis=0)
-    many = table.many_gaps()
-    left_out = [*many, *table.notes, *table.not_used()]
+    left_out = [*table.many_gaps(), *table.notes, *table.not_used()]
     if not sound.all():
         wrong = np.flatnonzero(~sound).tolist()
         first = wrong[0]

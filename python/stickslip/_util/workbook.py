@@ -11,6 +11,8 @@ from stickslip._util.messages import shown
 from stickslip.errors import ScenarioError
 from stickslip.extras import naming_the_extra
 
+_MOST = 1 << 29  # bytes that a workbook unpacks to; chosen: as the largest table of text
+
 
 def is_workbook(data: bytes) -> bool:
     """Whether a file is an Excel workbook (.xlsx)."""
@@ -27,6 +29,9 @@ def sheet_text(data: bytes) -> bytes:
 
     A ScenarioError names the sheets if several have data.
     """
+    unpacked = sum(each.file_size for each in zipfile.ZipFile(io.BytesIO(data)).infolist())
+    if unpacked > _MOST:
+        raise ScenarioError(f"unpacks to {unpacked >> 20} MiB: allowed are {_MOST >> 20} MiB")
     with naming_the_extra("an Excel workbook"):
         import openpyxl
     try:
