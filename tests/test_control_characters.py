@@ -75,6 +75,10 @@ def test_what_is_left_out_of_a_measurement(tmp_path):
     )
     cells = WILD.replace("\r\n\u2028", "")
     (tmp_path / WILD).write_text(f"velocity,mode\n1e-3,IPP\n{cells},IPP\n1e-3,{cells}\n")
+    with pytest.raises(ScenarioError, match="line 3, column velocity = ") as error:
+        read_measurement(path)
+    assert str(error.value).isprintable()
+    (tmp_path / WILD).write_text(f"velocity,mode\n1e-3,IPP\nnan,IPP\n1e-3,{cells}\n")
     left_out = read_measurement(path).left_out
     assert len(left_out) >= 2
     assert all(str(fact).isprintable() for fact in left_out)
