@@ -150,7 +150,9 @@ UNDERSTOOD = {
     "no model": ("t (s),torque (N m),speed (rad/s)", "", 0, ["torque (N m) not used N m 0"],
                  ["--model NAME, such as joint, axis, pendulum, oscillator, thermal, servo"]),
     "two of one name": ("t (s),speed,speed", JOINED, 2, ["t (s) not used s"], []),
-    "a wrong unit": ("t (kg),torque (N m),speed (rad/s)", JOINED, 2, ["t (kg) not used kg"], []),
+    "a wrong unit": ("t (kg),torque (N m),speed (rad/s)", JOINED, 2,
+                     ["t (kg) not used kg", "torque (N m) input: torque", "speed (rad/s) reading"],
+                     []),
 }  # fmt: skip
 
 

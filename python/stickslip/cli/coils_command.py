@@ -24,10 +24,7 @@ _SHOWN = {
     "most_swing": ("amplifier: swing", 1e3, "mT, of a sawtooth at drive.frequency"),
 }
 
-
-_CODES = {
-    "window-short", "pulses-short", "hidden-key", "capacitor", "voltage", "map",
-}  # fmt: skip
+_CODES = {"window-short", "pulses-short", "hidden-key", "capacitor", "voltage", "map"}
 """Notes that concern coils."""
 
 

@@ -98,8 +98,7 @@ class LogFile:
     def of(path: Path) -> LogFile | None:
         """That of a path, from whose folder its paths begin; None of any other file."""
         with prefixed(path):
-            is_toml = path.suffix.lower() == ".toml"
-            document = read_document(path, "recipe", f"{_VERSION} = 1") if is_toml else {}
+            document = read_document(path, "recipe", _VERSION) if path.suffix == ".toml" else {}
             if document.pop(_VERSION, None) is None:
                 return None
             made = LogFile(**document)
@@ -107,8 +106,8 @@ class LogFile:
                 check_kind(name, getattr(made, name), kind)
         given = {name: tuple(each) if isinstance(each, list) and name != "without" else each
                  for name, each in made.set.items()}  # fmt: skip
-        own = str(path.parent / made.model) if ":" in made.model else made.model
-        return LogFile(path.parent / made.file, own, made.units, given)
+        own = path.parent / made.model if ":" in made.model else made.model
+        return LogFile(path.parent / made.file, str(own), made.units, given)
 
     def text(self, folder: Path) -> str:
         """The text of its file in a folder, with all terms that are not stated as comments."""
@@ -121,10 +120,10 @@ class LogFile:
         if kind := KINDS.get(self.model):
             lines += [f"# {term.name} = [1.0, 0.1]  # {term.unit}: {term.meaning}"
                       for term in kind.every.values() if term.name not in self.set]  # fmt: skip
-            lines.append(f"# reads = {' or '.join(map(quoted, kind.reads))}")
             causes = [*(term.name for term in kind.terms if term.size),
                       *dict.fromkeys(sensor.name for sensor in kind.sensors)]  # fmt: skip
-            lines.append(f"# without = {_toml(causes)}  # causes that are left out")
+            lines += [f"# reads = {' or '.join(map(quoted, kind.reads))}",
+                      f"# without = {_toml(causes)}  # causes that are left out"]  # fmt: skip
         return "\n".join(lines) + "\n"
 
 

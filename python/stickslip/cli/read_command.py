@@ -28,7 +28,6 @@ from stickslip.errors import ScenarioError
 from stickslip.models.kinds import KINDS
 from stickslip.models.log import Columns, LogRecipe
 
-_HEADS = "column", "is", "unit", "gaps", "first", "range"
 _WIDE = 24  # characters of a cell; chosen: six of them fit on a line
 
 
@@ -94,8 +93,13 @@ class _Tolerant(LogRecipe):
     def matched(self, headings: Sequence[str]) -> list[Match]:
         try:
             return super().matched(headings)
-        except ScenarioError:  # two of one name, or a wrong unit
+        except ScenarioError:  # such as two of one name
             return [Match(text, f"{k} {text}", known=False) for k, text in enumerate(headings)]
+
+    def _match(self, name: str, heading: Any) -> Match:
+        with contextlib.suppress(ScenarioError):
+            return super()._match(name, heading)
+        return Match(heading.text, heading.text, known=False)
 
     def _missing(self, name: str, *more: Any) -> None:  # type: ignore[override]
         try:
@@ -118,7 +122,8 @@ def _say_columns(
              f"{table.lines[-1]}"]  # fmt: skip
     lines += [f"{counted(len(table.ragged), 'row')} cannot be read, the first {table.word} "
               f"{table.lines[k]}: {wrong}" for k, wrong in [*table.ragged.items()][:1]]  # fmt: skip
-    rows = [_HEADS, *(_row(column, recipe.wanted) for column in table.columns.values())]
+    heads = "column", "is", "unit", "gaps", "first", "range"
+    rows = [heads, *(_row(column, recipe.wanted) for column in table.columns.values())]
     widths = [max(map(len, cells)) for cells in zip(*rows, strict=True)]
     lines += ["  " + "  ".join(map(str.ljust, row, widths)) for row in rows]
     for line in (*lines, *(f"add {text}" for text in (*_lacks(recipe, table), *lacks))):

@@ -199,6 +199,5 @@ def _rows(run: Run) -> Iterator[tuple[str, str]]:
 
 def _in_two_units(value: float, unit: str) -> str:
     factor, other = (100.0, "%") if unit == "1" else handy(unit)
-    value += 0.0  # no negative zero
-    in_si = f"{value:.6g} {unit}".removesuffix(" 1")
-    return in_si if other == unit else f"{in_si:<20}  {value * factor:.5g} {other}"
+    in_si = f"{value + 0.0:.6g} {unit}".removesuffix(" 1")  # no negative zero
+    return in_si if other == unit else f"{in_si:<20}  {value * factor + 0.0:.5g} {other}"

@@ -117,12 +117,15 @@ class LogRecipe(Recipe):
         made = [Match(text, f"{text} (beside)" if text in found else text, known=False)
                 for text in headings]  # fmt: skip
         for name, (k, heading) in found.items():
-            si = heading.si(self.wanted.units[name])
-            in_si = heading.unit is None and self.units == SI and name != _ERROR
-            unit = si if in_si else heading.unit
-            per = 1.0 if unit is None else per_heading(heading.text, unit, si)
-            made[k] = Match(heading.text, name, si, unit, per, clock=name == _TIME)
+            made[k] = self._match(name, heading)
         return made
+
+    def _match(self, name: str, heading: _Heading) -> Match:
+        si = heading.si(self.wanted.units[name])
+        in_si = heading.unit is None and self.units == SI and name != _ERROR
+        unit = si if in_si else heading.unit
+        per = 1.0 if unit is None else per_heading(heading.text, unit, si)
+        return Match(heading.text, name, si, unit, per, clock=name == _TIME)
 
     def _with_units(self, there: list[_Heading]) -> list[_Heading]:
         """Headings with the units that the caller states; a ScenarioError names a wrong one."""
