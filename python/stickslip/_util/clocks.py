@@ -23,8 +23,6 @@ _LATE = 1e8
 """Time, s, from which on times are counted from the first. Chosen: no experiment runs for three
 years, and fractions of a microsecond stay."""
 
-_QUANTA = (1.0, 0.1, 0.01, 1e-3)  # of numbers with 16 or 32 bits, in their unit
-
 
 def seconds(cell: str) -> float:
     """A time, s, of a `STAMP`, with a clock of two parts in hours; NaN of other cells."""
@@ -104,48 +102,3 @@ def _of_stamps(
     t[list(known)] = [(each - first) / 1e9 for each in known.values()]
     text = f"Times are counted from the first, {np.datetime64(round(1e-6 * first), 'ms')}."
     return t, [Note("dates", text)] if dated else []
-
-
-def counted_on(
-    values: Array, column: Column, turn: float | None, lines: Sequence[Line]
-) -> tuple[Array, Note | None]:
-    """Numbers of a column, SI, that go on where they begin anew, and a note on that.
-
-    So do angles at a `turn`, and whole numbers, also in tenths and so on, that use the 16 or 32
-    bits which they have.
-    """
-    known = np.flatnonzero(np.isfinite(values))
-    y = values[known]
-    for span in [*([] if turn is None else [turn]), *_full_spans(y, column.what.per)]:
-        turns = -np.round(np.diff(y) / span)
-        wide = np.flatnonzero(turns)
-        left = np.abs(np.diff(y) + span * turns)[wide]
-        if not len(wide) or np.ptp(y) > span * (1.0 + 1e-6) or np.any(left >= 0.25 * span):
-            continue
-        made = values.copy()
-        made[known] = y + span * np.concatenate([[0.0], np.cumsum(turns)])
-        if span != turn:  # a count below zero was written as a large one
-            made -= span * np.round(np.median(made[known][:9]) / span)
-        text = f"{column.what.heading} begins anew {len(wide)} times, first at line "
-        text += f"{lines[known[wide[0] + 1]]}: counted on by {span * column.what.per:.6g} there, "
-        text += "a turn." if span == turn else "a counter."
-        return made, Note("counted-on", text, len(wide))
-    return values, None
-
-
-def _full_spans(y: Array, per: float) -> list[float]:
-    """Spans, SI, of counters whose numbers use all of their 16 or 32 bits.
-
-    They are whole ones `per` SI unit, or in tenths and so on.
-    """
-    if not len(y) or not np.ptp(y):
-        return []
-    raw = y * per
-    whole = (q for q in _QUANTA if np.allclose(raw / q, np.round(raw / q), rtol=1e-10))
-    quantum, spans = next(whole, math.inf), []
-    low, high = np.min(raw) / quantum, np.max(raw) / quantum
-    for end in (2.0**16, 2.0**32):
-        from_zero = 0.0 <= low < 0.01 * end and high > 0.99 * end
-        if high - low < end and (from_zero or (low < -0.49 * end and high > 0.49 * end)):
-            spans.append(end * quantum / per)
-    return spans

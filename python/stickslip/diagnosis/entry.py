@@ -12,7 +12,8 @@ from threadpoolctl import threadpool_limits
 
 from stickslip._util.messages import check_whole
 from stickslip._util.note import Note
-from stickslip.diagnosis.data.series import LOST_SENSOR
+from stickslip.diagnosis.data.readings import CLIPPED
+from stickslip.diagnosis.data.series import LOST_SENSOR, Series
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.scatter import with_scatter
@@ -22,9 +23,10 @@ from stickslip.diagnosis.model import (
     computed_tables,
     overflows,
     posed,
+    tables_in,
     without_effect,
 )
-from stickslip.diagnosis.pipeline import moved_constants, run
+from stickslip.diagnosis.pipeline import first_look, moved_constants, run
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
@@ -84,11 +86,24 @@ def diagnose_model(
     """
     check_whole("seed", seed)
     with one_blas_thread():
+        data = in_pieces(predict, "data", data, causes)
         terms = stated_terms(predict, uncertain, causes, data)
         problem, fault = prepared(predict, data, terms, int(seed))
         problem = problem if fault else with_scatter(problem, int(seed))
         notes = [*overflows(problem), *without_effect(problem)]
         return diagnosed(problem, int(seed), progress, notes, fault=fault)
+
+
+def in_pieces(
+    predict: Any, key: str, data: Table | Sequence[Table], causes: Sequence[Cause]
+) -> list[Table]:
+    """Tables as a list; where states at the first reading are free, records in their pieces."""
+    tables = tables_in(key, data)
+    of_a_table = any(getattr(cause, "table", None) for cause in causes)
+    if of_a_table or not getattr(predict, "starts_free", False):
+        return [*tables]
+    return [piece for table in tables
+            for piece in (table.pieces() if isinstance(table, Series) else [table])]  # fmt: skip
 
 
 def stated_terms(
@@ -111,8 +126,14 @@ def prepared(
     tables = computed_tables(problem, seed)
     if tables != problem.tables:
         problem = posed(tables, predict, *terms)
+    for k, table in enumerate(problem.tables):
+        windows = table.windows() if isinstance(table, Series) else []
+        if len(windows) > 1:  # a mean that a logger wrote: of the rows that fit the model best
+            each = [(*problem.tables[:k], one, *problem.tables[k + 1 :]) for one in windows]
+            tried = [posed(tables, predict, *terms) for tables in each]
+            problem = max(tried, key=partial(first_look, seed=seed))
     lost = (note for table in problem.tables for note in table.own_notes)
-    fault = next((note for note in lost if note.code == LOST_SENSOR), None)
+    fault = next((note for note in lost if note.code in (LOST_SENSOR, CLIPPED)), None)
     return problem, fault
 
 

@@ -70,6 +70,16 @@ def run(
     return Findings(models, test, effects, verdict, seed)
 
 
+def first_look(problem: Problem, seed: int) -> float:
+    """Log-posterior of the likeliest model by linear models about the recalibrated one."""
+    null, _ = recalibrated(problem, seed)
+    models = Models(problem, problem.causes)
+    models.add(null)
+    effects = responses(problem, null.end, (), problem.causes, models.forms["exact"], null.h)
+    screened(models, effects)
+    return models.log_posterior(models.leaders(1)[0])
+
+
 def moved_constants(findings: Findings) -> list[Note]:
     """A note on each stated constant that the told model moves far from its prior."""
     fit = findings.verdict.fit or findings.models.null

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, NoReturn
 import numpy as np
 
 from stickslip._util.arrays import Array
-from stickslip._util.clocks import JUMP, counted_on, times
+from stickslip._util.clocks import JUMP, times
 from stickslip._util.columns import Column, Source, SourceTable, limits
 from stickslip._util.messages import refuse, shown
 from stickslip._util.note import Note
@@ -29,6 +29,7 @@ from stickslip._util.units import (
     to_si,
     zero_of,
 )
+from stickslip.diagnosis.data.readings import counted_on
 from stickslip.diagnosis.data.series import Series
 from stickslip.errors import ScenarioError
 
@@ -389,11 +390,11 @@ def _readings(table: SourceTable, wanted: Columns, notes: list[Note]) -> dict[st
     if beyond:
         text = f"{table.at(beyond)}: {shown(read.cell(beyond[0]))} is a limit and no reading."
         notes.append(Note("limits", text, len(beyond)))
-    for name in (wanted.reads, *wanted.inputs):
+    for name in wanted.inputs:
         if name in values:
-            turn = math.tau if columns[name].what.si == "rad" else None
-            values[name], note = counted_on(values[name], columns[name], turn, table.lines)
-            notes += [note] if note else []
+            at = f"{columns[name].what.heading}: "
+            values[name], told = counted_on(at, values[name], columns[name].what.si)
+            notes += told
     return values
 
 
@@ -448,12 +449,11 @@ def _whole_rows(
 def _check_clock(table: SourceTable, t: Array) -> None:
     steps = np.diff(t)
     usual = float(np.median(steps)) if len(steps) else 0.0
-    for k in np.flatnonzero(~(steps > 0.0) | (steps > JUMP * abs(usual)))[:1].tolist():
+    for k in np.flatnonzero(~(steps >= 0.0) | (steps > JUMP * abs(usual)))[:1].tolist():
         at = f"{table.path}: {table.word} {table.lines[k + 1]}, column t = {t[k + 1]:.12g} s"
         if not steps[k] > 0.0:
-            same = "two rows have one time: leave one out, or give times more digits"
-            remedy = same if steps[k] == 0.0 else f"sort the rows, or {_CUT}"
-            raise ScenarioError(f"{at}: allowed is a time after {t[k]:.12g} s: {remedy}")
+            after = f"a time after {t[k]:.12g} s"
+            raise ScenarioError(f"{at}: allowed is {after}: sort the rows, or {_CUT}")
         raise ScenarioError(
             f"{at}: the clock jumps by {steps[k]:.6g} s, and allowed are {JUMP:g} of its steps of "
             f"{usual:.3g} s: {_CUT}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -25,12 +26,13 @@ from stickslip._util.arrays import (
 from stickslip._util.messages import known_arguments, refuse, shown
 from stickslip._util.note import Note
 from stickslip._util.units import quantity_of, with_unit
-from stickslip.diagnosis.data.errors import FEWEST, Errors, freedom, meter_step, of_one_meter
+from stickslip.diagnosis.data.errors import FEWEST, Errors, freedom, of_one_meter
 from stickslip.diagnosis.data.outliers import (
     FEW,
     alike_and_lost,
     far_from_all_others,
 )
+from stickslip.diagnosis.data.readings import GAP, scatter_about_a_curve, sifted
 from stickslip.diagnosis.data.settings import Settings
 from stickslip.diagnosis.data.signal import Signal
 from stickslip.diagnosis.data.table import (
@@ -47,11 +49,6 @@ if TYPE_CHECKING:
 STRETCHES = 12
 """Stretches into which each record is cut, and parts of all readings, to be held out in turn.
 Chosen: more cost more and tell little more."""
-
-_ORDERS, _FLAT, _SMALL = (3, 5), 1.3, 0.5
-"""Orders of the differences that tell a smooth curve from its noise, the ratio of what they say up
-to which they agree, and the largest noise beside the scatter of the readings. Chosen: a sine of
-five readings a period has a ratio of 1.6."""
 
 SMOOTH = "noise-smooth"
 """Code of the note on errors that the scatter about a smooth curve tells."""
@@ -117,12 +114,9 @@ class Series(Table):
         check_indexes(self.at, {"t": t, "y": y, "sd": sd, **given})
         times = row(f"{self.at}t", t, unit="s")
         count = len(times)
-        late = np.flatnonzero(np.diff(times) <= 0.0)
-        if len(late):
-            before, time = times[late[0] : late[0] + 2].tolist()
-            refuse(f"{self.at}t: row {late[0] + 1}", time, f"a time after {before!r}")
         notes: list[Note] = []
-        readings = row(f"{self.at}y", y, count, unit=unit, gaps=True)
+        readings = row(f"{self.at}y", y, count, unit=unit, gaps=True).copy()
+        times, events = _before_events(self.at, times, readings)
         units = {key: _unit_of_input(values, unit) for key, values in given.items()}
         acting = {key: row(f"{self.at}inputs {key}", values, count, unit=units[key])
                   for key, values in given.items()}  # fmt: skip
@@ -132,6 +126,7 @@ class Series(Table):
         stated = None if sd is None else stated_errors(f"{self.at}sd", sd, count, unit)
         gap = np.isnan(readings) | np.isnan(0.0 if stated is None else stated)
         self.own_notes = (*notes, *without_gaps(self.at, gap))
+        gap[events] = True
         sound = np.flatnonzero(~gap)
         for lost in alike_and_lost(readings[sound], [each[sound] for each in acting.values()]):
             self.own_notes += (_lost(self.at, readings, sound[lost]),)
@@ -141,9 +136,16 @@ class Series(Table):
             text = f"{self.at}row {k}: {readings[k]:g} is far from all others, and left out."
             self.own_notes += (Note("wild-reading", text, float(readings[k])),)
             gap[k] = True
+        sound = np.flatnonzero(~gap)
+        if LOST_SENSOR not in {note.code for note in self.own_notes}:
+            found = sifted(self.at, times[sound], readings[sound], unit)
+            readings[sound], self.own_notes = found.y, (*self.own_notes, *found.notes)
+            gap[sound[~found.kept]] = True
+            self.window = range(1 - found.averaged, 1)
         if gap.any():
             read = np.interp(times, times[~gap], readings[~gap])
-            whole = Series(times, read, acting, 1.0, self.name, self.repeat_of, unit=unit)
+            self._take(times, read, acting, np.ones(count), np.ones(count, dtype=bool))
+            whole = self.having(stated=True, rows=np.arange(count), own_notes=())
             self._take_of(whole, np.flatnonzero(~gap))
         self.stated = stated is not None
         self.rows = np.flatnonzero(~gap)
@@ -219,6 +221,37 @@ class Series(Table):
         made._take(self.t, self.y, self.inputs, self.errors.sd, kept)
         return made.having(errors=replace(self.errors, sd=self.errors.sd[kept]))
 
+    def windows(self) -> list[Series]:
+        """The same where a mean of rows is of the last, of those about a reading, or of errors."""
+        count = len(self.window)
+        each = range(1 - count, 1), range(-((count - 1) // 2), count // 2 + 1), range(1)
+        return [self.having(window=window) for window in each] if count > 1 else [self]
+
+    def pieces(self) -> list[Series]:
+        """Parts between gaps in which an input changed, as nothing says when it did."""
+        base = self.whole if isinstance(self.whole, Series) else self
+        if self.repeat_of is not None or not base.inputs:
+            return [self]
+        changed = np.any([np.diff(row) != 0.0 for row in base.inputs.values()], axis=0)
+        gaps = np.flatnonzero(changed & (np.diff(base.t) > GAP * base.step)) + 1
+        made, kept = [], np.arange(len(self)) if self.whole is None else self.kept
+        for a, b in itertools.pairwise((0, *gaps.tolist(), len(base))):
+            here, rows = (kept >= a) & (kept < b), np.arange(len(base))
+            part = self.having(rows=self.rows[here], kept=kept[here] - a)
+            part._take(self.t, self.y, self.inputs, self.errors.sd if self.stated else None, here)
+            if self.whole is not None:
+                part.whole = base.having(rows=rows[a:b])
+                part.whole._take(
+                    base.t, base.y, base.inputs, base.errors.sd, (rows >= a) & (rows < b)
+                )
+            if a:
+                text = f"{self.at}no row is between {base.t[a - 1]:.6g} and {base.t[a]:.6g} s, where an "
+                text += "input changed: readings behind this gap start anew."
+                part.own_notes = (Note("gap", text, float(base.t[a] - base.t[a - 1])),)
+                part = part.named(f"{self.name or 'log'} from {base.t[a]:.6g} s")
+            made.append(part)
+        return [part for part in made if len(part)]
+
     def signal(self, name: str, held: bool) -> Signal:
         """An input as it acts, where it is held between readings or else a line."""
         if name in self.signals:
@@ -234,6 +267,20 @@ class Series(Table):
         """The same record with other inputs, of shape (n,) or (vectors, n)."""
         acting = {key: locked(values) for key, values in inputs.items()}
         return self.having(inputs={**self.inputs, **acting}, signals={})
+
+
+def _before_events(at: str, t: Array, y: Array) -> tuple[Array, Indices]:
+    """Times that increase, and the first of two rows each that a log has of an event.
+
+    These have one time and one reading; the first one's inputs act until then.
+    """
+    late = np.flatnonzero(np.diff(t) <= 0.0)
+    for k in late[(t[late + 1] < t[late]) | (y[late + 1] != y[late])][:1].tolist():
+        same = ", or the same reading at an event" if t[k + 1] == t[k] else ""
+        refuse(f"{at}t: row {k + 1}", float(t[k + 1]), f"a time after {float(t[k])!r}{same}")
+    before = t.copy()
+    before[late] -= _SAME * float(np.median(np.diff(t)[np.diff(t) > 0.0])) if len(late) else 0.0
+    return before, late
 
 
 def _unit_of_input(values: ArrayLike, unit: str) -> str | None:
@@ -336,37 +383,14 @@ def _from_repeats(group: Sequence[Series]) -> Errors:
 
 
 def _about_a_curve(t: Array, y: Array, unit: str) -> Errors:
-    """Errors of readings about a smooth curve, where there is one; else of no known size.
-
-    Differences of an order take a polynomial away. Where those of two orders leave the same, it is
-    noise; where the higher order leaves less, they still see the curve. Medians, as a curve may
-    have a few jumps. A meter's step leaves its rounding, also where readings look exact.
-    """
-    least = meter_step(y) / math.sqrt(12.0)
-    scatter = [max(_left_by_differences(t, y, order), least) for order in _ORDERS]
-    size = float(np.std(y))
-    smooth = len(y) >= 4 * max(_ORDERS) and 0.0 < scatter[0] < _FLAT * scatter[1]
-    if not smooth or scatter[1] >= _SMALL * size:
-        return Errors.alike(size or 1.0, np.ones(len(y)), 0.0)
+    """Errors of readings about a smooth curve, where there is one; else of no known size."""
+    sd = scatter_about_a_curve(t, y)
+    if not sd:
+        return Errors.alike(float(np.std(y)) or 1.0, np.ones(len(y)), 0.0)
     # A median of n differences of order 5, which overlap, tells as much as n / 8 free readings.
-    return _of_a_curve(scatter[1], len(y), len(y) / 8.0, unit)
+    return _of_a_curve(sd, len(y), len(y) / 8.0, unit)
 
 
 def _of_a_curve(sd: float, count: int, dof: float, unit: str) -> Errors:
     note = Note(SMOOTH, f"A reading scatters by {with_unit(sd, unit)} about a smooth curve.", sd)
     return Errors.alike(sd, np.ones(count), dof, note)
-
-
-def _left_by_differences(t: Array, y: Array, order: int) -> float:
-    """Standard deviation of a reading by divided differences of an order; 0 of too few readings."""
-    if len(y) < 2 * order:
-        return 0.0
-    times = np.lib.stride_tricks.sliding_window_view(t, order + 1)
-    apart = times[:, :, None] - times[:, None, :]
-    apart[:, range(order + 1), range(order + 1)] = times[:, -1:] - times[:, :1]
-    weight = np.exp(-np.sum(np.log(np.abs(apart)), axis=2)) * (-1.0) ** np.arange(order + 1)
-    weight /= np.linalg.norm(weight, axis=1)[:, None]
-    values = np.lib.stride_tricks.sliding_window_view(y, order + 1)
-    size = np.abs(np.sum(weight * values, axis=1))
-    # Readings of few digits often have a difference of zero.
-    return float(np.median(size)) / 0.6745 or root_mean_square(size)

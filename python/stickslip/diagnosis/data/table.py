@@ -109,6 +109,8 @@ class Table:
     whole: Table | None = None
     """The table that a model predicts, of which this one has the rows `kept`; this one, if None."""
     kept: Indices
+    window: Sequence[int] = (0,)
+    """Rows of the whole one, from that of a reading, of which it is the mean."""
     own_notes: tuple[Note, ...] = ()
     """Notes that do not depend on the errors."""
     side = ""
@@ -217,7 +219,8 @@ class Table:
         """Predictions of the conditions, (vectors, m), by those of a whole table, (vectors, n)."""
         if self.whole is None:
             return predict(self)[:, self.first]
-        return predict(self.whole)[:, self.kept[self.first]]
+        rows = self.kept[self.first, None] + self.window
+        return np.asarray(predict(self.whole)[:, rows].mean(axis=2))
 
     @property
     def at(self) -> str:

@@ -1,0 +1,235 @@
+"""What counts as a reading of a record: rows that no sensor gave by itself are found here.
+
+A logger that is faster than its sensor writes each reading again; tools fill in rows by lines; a
+drive gives the mean of its last readings; an angle begins anew; a sensor stands at an end of its
+range. Each is told from the readings alone, before any search, with one note.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip._util.arrays import Array, Mask, root_mean_square
+from stickslip._util.note import Note
+from stickslip._util.text import counted
+from stickslip.diagnosis.data.errors import meter_step
+
+_ORDERS, _FLAT, _SMALL = (3, 5), 1.3, 0.5
+"""Orders of the differences that tell a smooth curve from its noise, the ratio of what they say up
+to which they agree, and the largest noise beside the scatter of the readings. Chosen: a sine of
+five readings a period has a ratio of 1.6."""
+
+CLIPPED = "clipped"
+"""Code of the note on readings at an end of a range that are too many to be left out."""
+
+_FEWEST, _REGULAR, _CLEAR = 20, 0.95, 3.0
+"""Fewest readings that show how rows were made; the part of the rows that have to be made so; and
+how many times larger than by chance or by rounding what shows it has to be. Chosen."""
+
+_LEAST, _MOST, _LONGEST, _DEEP = 5, 0.5, 24, 20.0
+"""Fewest readings at an end of a range, the largest part of all, the longest mean of a drive, and by
+how many nats a spectrum has to tell it. Chosen: 153 sound logs have none, means of 3 to 24
+rows 32 or more; a mean of 2 is told from no other noise."""
+
+GAP = 5.0
+"""Usual steps from which on a row without readings is a gap in which an input may have switched.
+Chosen: starts anew cost a parameter or two."""
+
+
+@dataclass(frozen=True)
+class Sifted:
+    """Rows that are readings.
+
+    Attributes
+    ----------
+    y : ndarray, shape (n,)
+        Readings, counted on where they begin anew.
+    kept : ndarray of bool, shape (n,)
+    averaged : int
+        How many rows the logger has averaged for each; 1 where it has not.
+    notes : tuple of Note
+    """
+
+    y: Array
+    kept: Mask
+    averaged: int = 1
+    notes: tuple[Note, ...] = ()
+
+
+def sifted(at: str, t: Array, y: Array, unit: str) -> Sifted:
+    """Find the rows of a record that are readings."""
+    y, notes = counted_on(at, y, unit)
+    kept = np.ones(len(y), dtype=bool)
+    for made, text in (
+        (_repeated, "repeat the one before them: the logger is faster than its sensor"),
+        (_on_lines, "lie on lines between others: filled in"),
+    ):
+        gone = np.flatnonzero(kept)[made(t[kept], y[kept])]
+        if len(gone):
+            text = f"{at}{len(gone)} of {len(y)} readings {text}. They are left out."
+            notes.append(Note(made.__name__.strip("_").replace("_", "-"), text, len(gone)))
+            kept[gone] = False
+    gone = np.flatnonzero(kept)[_at_the_ends(t[kept], y[kept])]
+    if len(gone):
+        many = len(gone) > _MOST * len(y)
+        ends = " and ".join(f"{end:.6g}" for end in np.unique(y[gone]))
+        text = f"{at}{len(gone)} of {len(y)} readings stand at {ends}, an end of the sensor's range"
+        notes.append(Note(CLIPPED if many else "limits",
+                          f"{text}{'' if many else ', and are left out'}.", len(gone)))  # fmt: skip
+        kept[gone] = many
+    averaged = _averaged(t, y) if kept.all() else 1
+    if averaged > 1:
+        row = np.arange(len(y))
+        kept[:] = ((row + 1) % averaged == 0) & (row + averaged // 2 < len(y))
+        text = f"{at}each reading is a mean of {averaged} rows, of which one counts."
+        notes.append(Note("averaged", text, averaged))
+    return Sifted(y, kept, averaged, tuple(notes))
+
+
+def _regular(new: Mask) -> bool:
+    """Whether some rows come at distances that differ by hardly one, of at least two at times."""
+    runs = np.diff(np.flatnonzero(np.r_[new, True]))
+    near = np.abs(runs - np.mean(runs)) <= 1.0
+    return len(runs) >= _FEWEST and bool(np.sum(runs[near]) >= _REGULAR * np.sum(runs))
+
+
+def _repeated(t: Array, y: Array) -> Mask:
+    """Rows with the reading of the row before, more than by chance, at even distances."""
+    new = np.append(True, np.diff(y) != 0.0)
+    changes = np.abs(np.diff(y[new]))
+    by_chance = 0.5 * meter_step(y) / np.median(changes) if len(changes) else 1.0
+    often = np.mean(~new) > max(_CLEAR * by_chance, 1.0 - _REGULAR)
+    return ~new & (often and by_chance * _CLEAR < 0.5 and _regular(new))
+
+
+def _on_lines(t: Array, y: Array) -> Mask:
+    """Rows between two others, at even distances, that lie on a line up to rounding."""
+    gone = np.zeros(len(y), dtype=bool)
+    if len(y) < _FEWEST:
+        return gone
+    share = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
+    share[np.abs(share - 0.5) < 1e-6] = 0.5  # even steps, but for rounding
+    off = np.abs(y[1:-1] - y[:-2] - share * (y[2:] - y[:-2]))
+    rounding = max(meter_step(y), _rounding(y))
+    gone[1:-1] = off <= rounding
+    others = off[off > rounding]
+    clear = len(others) >= _FEWEST and np.median(others) > _CLEAR**2 * rounding
+    return gone & (clear and np.mean(gone) > 1.0 - _REGULAR and _regular(~gone))
+
+
+def _at_the_ends(t: Array, y: Array) -> Mask:
+    """Readings that stand at the least or the largest, as no others stand, which scatter."""
+    same, there = np.diff(y) == 0.0, (y == np.min(y)) | (y == np.max(y))
+    for end in (np.min(y), np.max(y)):
+        stands = np.sum(same & (y[1:] == end))
+        if stands < max(_LEAST, _CLEAR * np.sum(same & ~there[1:])):
+            there &= y != end
+    inside = (y > np.min(y)) & (y < np.max(y))
+    scatter = scatter_about_a_curve(t[inside], y[inside])
+    return there & (scatter > _CLEAR * max(meter_step(y[inside]), _rounding(y)))
+
+
+def _rounding(y: Array) -> float:
+    """By how much equal readings may differ in a computer."""
+    return 100.0 * np.finfo(float).eps * float(np.max(np.abs(y)))
+
+
+def _averaged(t: Array, y: Array) -> int:
+    """How many rows a logger has averaged for each, by the zeros of the mean's spectrum; 1 if none.
+
+    About each zero, a spectrum that falls evenly is compared with such a one times that of a mean.
+    """
+    count, steps = len(y) - 1, np.diff(t)
+    if count < _FEWEST or np.ptp(steps) > 0.5 * np.median(steps):
+        return 1
+    change = np.diff(y) - np.median(np.diff(y))
+    power = np.log(np.abs(np.fft.rfft(change * np.hanning(count + 2)[1:-1])) ** 2 + 1e-300)
+    place = np.arange(len(power)) / count
+    wave, gain = np.sin(np.pi * np.maximum(place, 1.0 / count)), {1: _DEEP}
+    for width in range(3, min(_LONGEST, count // 10) + 1):
+        mean = (np.sin(np.pi * place * width) / (width * wave)) ** 2
+        mean = np.log(mean + 1e-4 + (0.7 * np.pi / count / wave) ** 2)  # leaks through the window
+        cell = np.floor(place * width + 0.5).astype(int)
+        parts = [np.flatnonzero(cell == k) for k in range(1, cell[-1] + 1)]
+        gain[width] = sum(0.5 * len(at) * math.log(_left(place[at], power[at])
+                          / _left(place[at], power[at] - mean[at]))
+                          for at in parts if len(at) > _FEWEST // 4)  # fmt: skip
+    return max(gain, key=lambda width: gain[width])
+
+
+def _left(place: Array, values: Array) -> float:
+    """Square sum of what a line leaves of some values."""
+    line = np.polyval(np.polyfit(place, values, 1), place)
+    return float(np.sum((values - line) ** 2)) + 1e-300
+
+
+def counted_on(at: str, y: Array, unit: str) -> tuple[Array, list[Note]]:
+    """Return readings that go on where they begin anew, and a note on that, if they do.
+
+    So do angles after a turn, or an even part or number of turns, and whole numbers of steps that
+    use the 16 or 32 bits which they have.
+    """
+    for span, what in _spans(y, unit):
+        turns = -np.round(np.diff(y) / span)
+        wide = np.flatnonzero(turns)
+        left = np.abs(np.diff(y) + span * turns)[wide]
+        if len(wide) and np.ptp(y) <= span * (1.0 + 1e-6) and np.all(left < 0.25 * span):
+            made = y + span * np.concatenate([[0.0], np.cumsum(turns)])
+            if what == "a counter":  # a count below zero was written as a large one
+                made -= span * np.round(np.median(made[:9]) / span)
+            text = f"{at}readings begin anew {counted(len(wide), 'time')}, first at row "
+            text += f"{wide[0] + 1}: counted on by {span:.6g}, {what}."
+            return made, [Note("counted-on", text, len(wide))]
+    return y, []
+
+
+def _spans(y: Array, unit: str) -> Iterator[tuple[float, str]]:
+    """What readings may begin anew after, and what it is."""
+    width, jumps = float(np.ptp(y)) if len(y) else 0.0, np.diff(y)
+    wide = np.flatnonzero(np.abs(jumps) > 0.5 * width)
+    if unit == "rad":
+        turn = math.tau
+        yield turn, "a turn"
+        inside = wide[(wide > 0) & (wide < len(jumps) - 1)]
+        if len(inside) > 1:  # less how it changes before and after
+            change = jumps[inside] - 0.5 * (jumps[inside - 1] + jumps[inside + 1])
+            span = float(np.median(np.abs(change)))
+            part = max(round(turn / span), 1) / max(round(span / turn), 1)
+            if abs(span * part / turn - 1.0) < 0.05:
+                yield turn / part, f"{part:g} of them a turn"
+    step = meter_step(y)
+    for end in (2.0**16, 2.0**32):
+        if step and 0.98 * end < width / step < end:
+            yield end * step, "a counter"
+
+
+def scatter_about_a_curve(t: Array, y: Array) -> float:
+    """Return the standard deviation of readings about a smooth curve; 0 where there is none.
+
+    Differences of an order take a polynomial away. Where those of two orders leave the same, it is
+    noise; where the higher order leaves less, they still see the curve. Medians, as a curve may
+    have a few jumps. A meter's step leaves its rounding, also where readings look exact.
+    """
+    least = meter_step(y) / math.sqrt(12.0)
+    scatter = [max(_left_by_differences(t, y, order), least) for order in _ORDERS]
+    smooth = len(y) >= 4 * max(_ORDERS) and 0.0 < scatter[0] < _FLAT * scatter[1]
+    return scatter[1] if smooth and scatter[1] < _SMALL * np.std(y) else 0.0
+
+
+def _left_by_differences(t: Array, y: Array, order: int) -> float:
+    """Standard deviation of a reading by divided differences of an order; 0 of too few readings."""
+    if len(y) < 2 * order:
+        return 0.0
+    times = np.lib.stride_tricks.sliding_window_view(t, order + 1)
+    apart = times[:, :, None] - times[:, None, :]
+    apart[:, range(order + 1), range(order + 1)] = times[:, -1:] - times[:, :1]
+    weight = np.exp(-np.sum(np.log(np.abs(apart)), axis=2)) * (-1.0) ** np.arange(order + 1)
+    weight /= np.linalg.norm(weight, axis=1)[:, None]
+    values = np.lib.stride_tricks.sliding_window_view(y, order + 1)
+    size = np.abs(np.sum(weight * values, axis=1))
+    # Readings of few digits often have a difference of zero.
+    return float(np.median(size)) / 0.6745 or root_mean_square(size)
