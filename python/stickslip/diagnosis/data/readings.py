@@ -30,10 +30,10 @@ _FEWEST, _REGULAR, _CLEAR = 20, 0.95, 3.0
 """Fewest readings that show how rows were made; the part of the rows that have to be made so; and
 how many times larger than by chance or by rounding what shows it has to be. Chosen."""
 
-_LEAST, _MOST, _LONGEST, _DEEP = 5, 0.5, 24, 20.0
-"""Fewest readings at an end of a range, the largest part of all, the longest mean of a drive, and by
-how many nats a spectrum has to tell it. Chosen: 153 sound logs have none, means of 3 to 24
-rows 32 or more; a mean of 2 is told from no other noise."""
+_LEAST, _LONGEST, _DEEP = 5, 24, 20.0
+"""Fewest readings at an end of a range and about a zero of a spectrum, the longest mean of a drive,
+and by how many nats a spectrum has to tell it. Chosen: 153 sound logs have at most 3, means of 3 to
+24 rows at least 34; a mean of 2 rows is told from no other noise."""
 
 GAP = 5.0
 """Usual steps from which on a row without readings is a gap in which an input may have switched.
@@ -75,7 +75,7 @@ def sifted(at: str, t: Array, y: Array, unit: str) -> Sifted:
             kept[gone] = False
     gone = np.flatnonzero(kept)[_at_the_ends(t[kept], y[kept])]
     if len(gone):
-        many = len(gone) > _MOST * len(y)
+        many = len(gone) > 0.5 * len(y)
         ends = " and ".join(f"{end:.6g}" for end in np.unique(y[gone]))
         text = f"{at}{len(gone)} of {len(y)} readings stand at {ends}, an end of the sensor's range"
         notes.append(Note(CLIPPED if many else "limits",
@@ -112,7 +112,7 @@ def _on_lines(t: Array, y: Array) -> Mask:
     if len(y) < _FEWEST:
         return gone
     share = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
-    share[np.abs(share - 0.5) < 1e-6] = 0.5  # even steps, but for rounding
+    share[np.isclose(share, 0.5)] = 0.5  # even steps, but for rounding
     off = np.abs(y[1:-1] - y[:-2] - share * (y[2:] - y[:-2]))
     rounding = max(meter_step(y), _rounding(y))
     gone[1:-1] = off <= rounding
@@ -157,7 +157,7 @@ def _averaged(t: Array, y: Array) -> int:
         parts = [np.flatnonzero(cell == k) for k in range(1, cell[-1] + 1)]
         gain[width] = sum(0.5 * len(at) * math.log(_left(place[at], power[at])
                           / _left(place[at], power[at] - mean[at]))
-                          for at in parts if len(at) > _FEWEST // 4)  # fmt: skip
+                          for at in parts if len(at) > _LEAST)  # fmt: skip
     return max(gain, key=lambda width: gain[width])
 
 
@@ -177,7 +177,7 @@ def counted_on(at: str, y: Array, unit: str) -> tuple[Array, list[Note]]:
         turns = -np.round(np.diff(y) / span)
         wide = np.flatnonzero(turns)
         left = np.abs(np.diff(y) + span * turns)[wide]
-        if len(wide) and np.ptp(y) <= span * (1.0 + 1e-6) and np.all(left < 0.25 * span):
+        if len(wide) and np.ptp(y) <= span * (2.0 - _REGULAR) and np.all(left < 0.5 * 0.5 * span):
             made = y + span * np.concatenate([[0.0], np.cumsum(turns)])
             if what == "a counter":  # a count below zero was written as a large one
                 made -= span * np.round(np.median(made[:9]) / span)
@@ -199,11 +199,10 @@ def _spans(y: Array, unit: str) -> Iterator[tuple[float, str]]:
             change = jumps[inside] - 0.5 * (jumps[inside - 1] + jumps[inside + 1])
             span = float(np.median(np.abs(change)))
             part = max(round(turn / span), 1) / max(round(span / turn), 1)
-            if abs(span * part / turn - 1.0) < 0.05:
-                yield turn / part, f"{part:g} of them a turn"
+            yield turn / part, f"{part:g} of them a turn"
     step = meter_step(y)
     for end in (2.0**16, 2.0**32):
-        if step and 0.98 * end < width / step < end:
+        if step and _REGULAR * end < width / step < end:
             yield end * step, "a counter"
 
 
