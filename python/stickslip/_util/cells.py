@@ -25,7 +25,7 @@ DECIMAL_COMMAS = (
 """Advice for a row with more cells than the header, between commas."""
 
 _OTHER_FORMATS = {
-    b"PK\x03\x04": "an Excel workbook (.xlsx), a NumPy archive (.npz) or another ZIP archive",
+    b"PK\x03\x04": "a NumPy archive (.npz), a damaged workbook or another ZIP archive",
     b"\xd0\xcf\x11\xe0": "an Excel workbook (.xls)",
     b"MATLAB 5.0": "a MATLAB file (.mat)",
     b"\x89HDF": "an HDF5 file, such as a MATLAB 7.3 file (.mat) or netCDF",

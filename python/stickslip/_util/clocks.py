@@ -55,8 +55,8 @@ def _nanoseconds(stamp: re.Match[str], minutes: bool) -> int | None:
         return None
 
 
-def times(column: Column, path: object, lines: Sequence[Line]) -> tuple[Array, list[Note], bool]:
-    """Times of a column, s, NaN where there is none; notes, and whether none is a number.
+def times(column: Column, path: object, lines: Sequence[Line]) -> tuple[Array, list[Note]]:
+    """Times of a column, s, NaN where there is none, and notes.
 
     Dates, and numbers as large as dates, are counted from the first.
     """
@@ -70,17 +70,17 @@ def times(column: Column, path: object, lines: Sequence[Line]) -> tuple[Array, l
             f"line {lines[k]}: allowed is one of these"
         )
     if stamps:
-        return (*_of_stamps(stamps, column, path), True)
+        return _of_stamps(stamps, column, path)
     if known and column.what.unit in CLOCKS:
         raise ScenarioError(
             f"{path}: column {heading} has the number {t[known[0]]:g} in line {lines[known[0]]}: "
             "allowed are clocks such as 12:00:01.5, or another unit"
         )
     if not known or abs(t[known[0]]) < _LATE:
-        return t, [], not known
+        return t, []
     first = float(t[known[0]])
     note = Note("dates", f"Times are counted from the first, {first:.10g} s.", first)
-    return t - first, [note], False
+    return t - first, [note]
 
 
 def _of_stamps(

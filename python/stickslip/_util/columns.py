@@ -39,6 +39,7 @@ from stickslip._util.note import Note
 from stickslip._util.recipes import VALID, Match, Recipe
 from stickslip._util.text import counted, plain
 from stickslip._util.units import split_unit, to_si
+from stickslip._util.workbook import sheet_text
 from stickslip.errors import ScenarioError, prefixed
 
 if TYPE_CHECKING:
@@ -249,7 +250,7 @@ class Source:
         self.is_file = isinstance(given, str | PathLike)
         self.path = Path(given if self.is_file else type(given).__name__)
         with prefixed(self.path):
-            self.data = read_bytes(given, most, "table") if self.is_file else b""
+            self.data = sheet_text(read_bytes(given, most, "table")) if self.is_file else b""
 
     def csv(self, names: Collection[str]) -> CsvTable:
         """The file from its header on, which has one of some names."""
@@ -280,7 +281,8 @@ class Source:
         """The table as a recipe says; a ScenarioError begins with the path."""
         with prefixed(self.path):
             table = _of_file(self, recipe) if self.is_file else _of_arrays(self, recipe)
-            _check_cells(table, recipe)
+            if not recipe.lenient:
+                _check_cells(table, recipe)
         return replace(table, notes=(*table.notes, *table.conversions()))
 
 

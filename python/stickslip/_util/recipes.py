@@ -66,11 +66,14 @@ class Recipe:
         gap is NaN otherwise, and other columns are information.
     information : collection of str
         Names of others that are not taken for slips of known ones.
+    lenient : bool
+        Whether cells that are no numbers stay, as `Column.odd`.
     """
 
     entries: Mapping[str, Entry]
     exact: bool = False
     information: Collection[str] = ()
+    lenient: bool = False
 
     @staticmethod
     def of(units: Mapping[str, str | None], required: Collection[str] = (), **more: Any) -> Recipe:

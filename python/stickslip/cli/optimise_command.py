@@ -114,7 +114,7 @@ def command(
     if how["maximise"] is None and how["minimise"] is None:
         raise click.UsageError("--maximise or --minimise is missing, with a number of the summary")
     base, read = load_uncertain(scenario, set, uncertain)
-    out = output.folder_of(out, as_json, "best")
+    out = output.choose_folder(out, as_json, "best")
     for path in read:
         if out is not None and path.resolve().parent == out.resolve():
             raise ScenarioError(f"--out: {out} has {path}, which is read; choose another folder")

@@ -232,7 +232,7 @@ PATH = click.Path(path_type=Path)
 
 
 def plot_option(drawn: str) -> Callable[[_F], _F]:
-    """``--plot``, which draws something."""
+    """Make ``--plot``, which draws something."""
     return click.option("--plot", type=PATH, help=f"Draw {drawn}: .png, .pdf, .svg and others.")
 
 

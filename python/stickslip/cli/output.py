@@ -77,10 +77,10 @@ def check_files(read: Iterable[Path], /, **written: tuple[Path | None, tuple[str
         taken[target] = f"is that of --{name} too"
 
 
-def folder_of(
+def choose_folder(
     out: Path | None, as_json: bool, usual: str, written: Sequence[str] = ()
 ) -> Path | None:
-    """The folder of ``--out``, in which files can be `written`; None where JSON alone is wanted."""
+    """Return the folder of ``--out``, in which files can be `written`; None for JSON alone."""
     folder = Path(usual) if out is None and not as_json else out
     if folder is not None:
         with prefixed("--out", OSError):

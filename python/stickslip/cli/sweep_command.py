@@ -18,7 +18,7 @@ from stickslip.simulation.notes import lines_of_json
 from stickslip.simulation.quantities import ASKED
 from stickslip.simulation.run import SUFFIXES
 from stickslip.simulation.seen_from_drive import shown_velocities
-from stickslip.sweeping.cluster import cluster
+from stickslip.sweeping.cluster import open_cluster
 
 if TYPE_CHECKING:
     import xarray
@@ -83,7 +83,7 @@ def command(
         raise ScenarioError(f"--out: {out} already exists; choose another name{more}")
     options.check_drawable(plot, vary, 2)
     count = math.prod(map(len, vary.values()))
-    with output.progress_bar(count) as bar, cluster(dask) as executor:
+    with output.progress_bar(count) as bar, open_cluster(dask) as executor:
         how: dict[str, Any] = {"threads": threads, "executor": executor, "resume": resume}
         data = stickslip.sweep(loaded, vary, out=None if as_csv else out, progress=bar, **how)
     table = stickslip.sweep_dataframe(data)

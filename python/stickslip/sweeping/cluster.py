@@ -20,8 +20,8 @@ _PATIENCE = 4.0
 
 
 @contextlib.contextmanager
-def cluster(address: str | None) -> Iterator[Executor | None]:
-    """An executor of the cluster whose scheduler has this address; None without an address."""
+def open_cluster(address: str | None) -> Iterator[Executor | None]:
+    """Open an executor of the cluster whose scheduler has this address; None without an address."""
     if address is None:
         yield None
         return
