@@ -205,7 +205,8 @@ class LogRecipe(Recipe):
                 continue
             taken = {k for k, _ in found.values()}
             units = self.wanted.units[column]
-            fit = [(k, each) for k, each in enumerate(there) if column in by_unit
+            ways = [each if each.unit else each.find_unit(units) or each for each in there]
+            fit = [(k, each) for k, each in enumerate(ways) if column in by_unit
                    and k not in taken and each.fits(units)
                    and (column == first or not each.words & _ASKED)]  # fmt: skip
             if len(fit) == 1:
