@@ -13,7 +13,7 @@ import numbers as kinds_of_numbers
 import os
 from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
 from decimal import Decimal
-from typing import Any, NamedTuple, NoReturn
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -138,26 +138,24 @@ def numbers(
         be converted.
     """
     plain, carried = without_unit(values)
-    change = None if carried is None else conversion(what, carried, unit or "-", differences)
     given, missing = _elements(what, plain, allowed)
-    if change is not None and given.dtype.kind == "b":
-        # Some libraries keep the unit of what was compared.
-        refuse(what, given, f"{allowed}: true and false have no unit")
     array = _as_floats(what, given, missing, allowed)
-    if change is not None:
-        array = change(array)
+    if carried is not None:
+        _, per, zero = conversion(what, carried, unit or "-", differences)
+        if given.dtype.kind == "b":  # Some libraries keep the unit of what was compared.
+            refuse(what, given, f"{allowed}: true and false have no unit")
+        array = np.asarray(to_si(array, per) + zero)
     if missing.any() and not gaps:
         first = given[tuple(np.argwhere(missing)[0])]
         refuse(_at(what, missing), first if _is_gap(first) else np.nan, allowed)
-    wrong = ~np.isfinite(array) & ~missing
-    if finite and wrong.any():
-        _refuse_element(what, given, wrong, allowed)
+    if finite:
+        _refuse_any(what, given, ~np.isfinite(array) & ~missing, allowed)
     return locked(array)
 
 
 def in_columns(
     what: str,
-    values: object,
+    values: Any,
     names: Sequence[str],
     allowed: str = _FINITE,
     *,
@@ -171,9 +169,11 @@ def in_columns(
 
     `absent` is the value of a column that is not there; without it, all have to be.
     """
-    given = _named_columns(what, values)
+    is_row = hasattr(values, "index") and not hasattr(values, "columns")
+    given = (_by_name(what, values, list(values.index)) if is_row and _is_of(values, "pandas")
+             else columns_of(what, values))  # fmt: skip
     checked = functools.partial(numbers, allowed=allowed, unit=unit, gaps=gaps, finite=finite)
-    if given is None:
+    if given is None or not all(isinstance(name, str) for name in given):
         array = checked(what, values)
     else:
         for name in given:
@@ -196,16 +196,6 @@ def in_columns(
         text = f"allowed is shape {shape}, {', '.join(names)}: {allowed}"
         raise ScenarioError(f"{what} of shape {array.shape}: {text}")
     return array
-
-
-def _named_columns(what: str, values: Any) -> dict[Any, Any] | None:
-    """Columns, or the numbers of a pandas Series, by their names; None where these are no texts."""
-    is_row = hasattr(values, "index") and not hasattr(values, "columns")
-    names = list(values.index) if is_row and _is_of(values, "pandas") else []
-    if names and all(isinstance(name, str) for name in names):
-        return _by_name(what, values, names)
-    given = columns_of(what, values)
-    return given if given is not None and all(isinstance(name, str) for name in given) else None
 
 
 def flat(array: Elements) -> Elements:
@@ -238,7 +228,6 @@ def column(what: str, values: object, count: int) -> tuple[Elements, Mask]:
     """
     allowed = "numbers or texts"
     plain, carried = without_unit(values)
-    change = None if carried is None else conversion(what, carried, None)
     given, missing = map(flat, _elements(what, plain, allowed))
     if given.shape != (count,):
         raise ScenarioError(f"{what}: allowed are {count} rows, one for each reading")
@@ -248,11 +237,8 @@ def column(what: str, values: object, count: int) -> tuple[Elements, Mask]:
         return locked(np.array(words)), missing
     if kind == _TRUTH:
         return locked(np.where(missing, False, given).astype(bool)), missing
-    array = _as_floats(what, given, missing, allowed)
-    wrong = ~np.isfinite(array) & ~missing
-    if wrong.any():
-        _refuse_element(what, given, wrong, allowed)
-    return locked(array if change is None else change(array)), missing
+    si = None if carried is None else quantity_of(carried) or carried
+    return flat(numbers(what, values, allowed, unit=si, gaps=True)), missing
 
 
 def labels(what: str, values: object, count: int) -> Indices:
@@ -262,12 +248,10 @@ def labels(what: str, values: object, count: int) -> Indices:
         raise ScenarioError(f"{what}: allowed is one for each of {count} readings")
     plain = given.tolist()
     texts = any(isinstance(value, str) for value in plain)
-    keys: list[Hashable] = [
-        (k,) if gap else str(value) if texts else value
-        for k, (value, gap) in enumerate(zip(plain, missing.tolist(), strict=True))
-    ]
-    places = {key: k for k, key in enumerate(dict.fromkeys(keys))}
-    return np.array([places[key] for key in keys], dtype=np.int64)
+    gaps = enumerate(zip(plain, missing.tolist(), strict=True))
+    keys = [(k,) if gap else str(one) if texts else one for k, (one, gap) in gaps]
+    places = dict[Hashable, int]()
+    return np.array([places.setdefault(key, len(places)) for key in keys], dtype=np.int64)
 
 
 def columns_of(what: str, table: Any) -> dict[Any, Any] | None:
@@ -310,12 +294,9 @@ def _is_of(values: object, *libraries: str) -> bool:
     return type(values).__module__.partition(".")[0] in libraries
 
 
-def states_unit(values: object) -> bool:
-    """Whether values carry a unit, or are dates or durations."""
-    plain, carried = without_unit(values)
-    if carried is not None:
-        return True
-    given = np.asarray(plain)
+def are_times(values: object) -> bool:
+    """Whether values are dates or durations."""
+    given = np.asarray(values)
     first = next(iter(given.flat), None) if given.dtype.kind == "O" else None
     return given.dtype.kind in "mM" or _kind_of(first) in (_DATE, _DURATION)
 
@@ -333,9 +314,10 @@ def conversions(at: str, given: Mapping[str, tuple[Any, str | None]]) -> list[No
     made = {}
     for name, (values, unit) in given.items():
         carried = None if values is None else unit_carried(values)
-        change = carried is not None and conversion(name, carried, unit, name == "sd")
-        if change and change.changes:
-            made[name] = str(change)
+        if carried is not None:
+            wanted, *change = conversion(name, carried, unit, name == "sd")
+            if change != [1.0, 0.0]:
+                made[name] = f"from {carried} to {wanted or 'no unit'}"
     return converted(at, made)
 
 
@@ -379,33 +361,13 @@ def without_unit(values: Any) -> tuple[Any, str | None]:
     return plain, carried
 
 
-class Conversion(NamedTuple):
-    """How numbers in one unit become those in another: ``(number + zero) / per - wanted_zero``."""
+def conversion(
+    what: str, carried: str, unit: str | None, differences: bool = False
+) -> tuple[str, float, float]:
+    """A wanted unit, how many of the carried one are one of it, and what is added to the quotient.
 
-    unit: str
-    wanted: str
-    per: float = 1.0
-    zero: float = 0.0
-    wanted_zero: float = 0.0
-
-    def __call__(self, array: Array) -> Array:
-        if not self.changes:
-            return array
-        return np.asarray(to_si(array, self.per) + (self.zero - self.wanted_zero))
-
-    def __str__(self) -> str:
-        return f"from {self.unit} to {self.wanted or 'no unit'}"
-
-    @property
-    def changes(self) -> bool:
-        """Whether any number changes."""
-        return self.per != 1.0 or self.zero != self.wanted_zero
-
-
-def conversion(what: str, carried: str, unit: str | None, differences: bool = False) -> Conversion:
-    """From a unit that values carry to a wanted one; a ScenarioError if that cannot be.
-
-    None is any: the SI unit. Of `differences`, ``degC`` and ``K`` are the same.
+    A ScenarioError says that it cannot be. None is any: the SI unit. Of `differences`, ``degC`` and
+    ``K`` are the same.
     """
     wanted = (quantity_of(carried) or carried) if unit is None else unit
     wanted = "" if wanted in ("-", "1") else wanted
@@ -417,14 +379,12 @@ def conversion(what: str, carried: str, unit: str | None, differences: bool = Fa
     one = carried if of is None else of
     try:
         if one == wanted or (wanted == "rad" and one in ("", "1", "dimensionless")):
-            return Conversion(carried, wanted)
-        per = ratio(one, wanted or "-")
+            return wanted, 1.0, 0.0
+        zero = 0.0 if differences else zero_of(one) - zero_of(wanted)
+        return wanted, ratio(one, wanted or "-"), zero
     except ValueError as error:
         hint = "".join(str(error).partition("; Hz")[1:])
         raise ScenarioError(f"{refusal}{hint}") from None
-    if differences:
-        return Conversion(carried, wanted, per)
-    return Conversion(carried, wanted, per, zero_of(one), zero_of(wanted))
 
 
 def _elements(what: str, values: Any, allowed: str) -> tuple[Elements, Mask]:
@@ -475,8 +435,7 @@ def _kind_of_all(what: str, given: Elements, missing: Mask, allowed: str) -> str
     wrong = np.zeros(given.shape, dtype=bool)
     usual = next((kind for kind in kinds if kind != _TEXT), _TEXT)
     wrong[~missing] = [kind is None or kind != usual for kind in kinds]
-    if wrong.any():
-        _refuse_element(what, given, wrong, allowed)
+    _refuse_any(what, given, wrong, allowed)
     return kinds[0] or _NUMBER if kinds else _NUMBER
 
 
@@ -500,7 +459,7 @@ def _as_floats(what: str, given: Elements, missing: Mask, allowed: str) -> Array
             except (TypeError, ValueError, OverflowError):
                 wrong = np.zeros(given.shape, dtype=bool)
                 wrong[index] = True
-                _refuse_element(what, given, wrong, allowed)
+                _refuse_any(what, given, wrong, allowed)
     return result
 
 
@@ -528,9 +487,10 @@ def _in_utc(value: Any) -> Any:
     return value.astimezone(datetime.timezone.utc).replace(tzinfo=None)
 
 
-def _refuse_element(what: str, given: Elements, wrong: Mask, allowed: str) -> NoReturn:
-    """Refuse the first of the wrong elements."""
-    refuse(_at(what, wrong), given[tuple(np.argwhere(wrong)[0])], allowed)
+def _refuse_any(what: str, given: Elements, wrong: Mask, allowed: str) -> None:
+    """Refuse the first of the wrong elements, if there are any."""
+    if wrong.any():
+        refuse(_at(what, wrong), given[tuple(np.argwhere(wrong)[0])], allowed)
 
 
 def _at(what: str, wrong: Mask) -> str:

@@ -18,10 +18,10 @@ import numpy as np
 from stickslip._util.arrays import (
     Array,
     Mask,
+    are_times,
     columns_of,
     converted,
     numbers,
-    states_unit,
     without_unit,
 )
 from stickslip._util.cells import (
@@ -406,7 +406,7 @@ class _Part:
         if self.what.si is None or any(isinstance(cell, str) for cell in cells):
             self.take([_cell(value) for value in cells])
             return
-        if states_unit(values):  # dates and durations are in s, whatever the heading says
+        if are_times(values):  # dates and durations are in s, whatever the heading says
             self.what = self.what._replace(unit="s", per=1.0)
         self.take_numbers(numbers(heading, values, gaps=True, finite=False), cells)
 

@@ -139,25 +139,21 @@ def check_folder(path: str | PathLike[str], files: Iterable[str] = ()) -> None:
 
     It need not exist yet, but the folder around it; the error names the obstacle.
     """
-    folder, made = Path(path), False
+    folder = Path(path)
+    if folder.is_dir():
+        for name in files or (secrets.token_hex(8),):
+            check_writable(folder / name)
+        return
     try:
         check_name(path)
-        if folder.exists() and not folder.is_dir():
+        if folder.exists():
             raise NotADirectoryError("it is not a folder")
         if not folder.parent.is_dir():
             raise FileNotFoundError(f"there is no folder {folder.parent}")
-        if not folder.exists():
-            folder.mkdir()
-            made = True
+        folder.mkdir()
+        folder.rmdir()
     except OSError as error:
         raise NotWritten(f"cannot write {path}: {error.strerror or error}") from None
-    else:
-        for name in files or (secrets.token_hex(8),):
-            check_writable(folder / name)
-    finally:
-        if made:
-            with contextlib.suppress(OSError):  # another process has written into it
-                folder.rmdir()
 
 
 def write_together(writers: Mapping[Path, Callable[[Path], object]]) -> None:

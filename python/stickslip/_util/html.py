@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import functools
 import hashlib
 import io
@@ -89,15 +88,6 @@ def svg(figure: Figure | None) -> Markup:
     digest = hashlib.sha256(text.encode("utf-8")).hexdigest()[:8]
     text = re.sub(r'( id="| href="#|url\(#)', rf"\g<1>{digest}-", text)
     return Markup(printable_lines(text))
-
-
-def png(figure: Figure | None) -> str:
-    """A figure as PNG in base64, as pages hold it; empty if there is none."""
-    if figure is None:
-        return ""
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=110, metadata={"Software": None})
-    return base64.b64encode(buffer.getvalue()).decode("ascii")
 
 
 def html_table(title: str, rows: Sequence[tuple[str, str]]) -> str:

@@ -126,21 +126,17 @@ def known_arguments(kind: type[_T]) -> type[_T]:
         try:
             made(self, *values, **named)
         except TypeError:  # looked at only here: what is right costs no time
-            _check_arguments(kind, values, named)
+            signature = inspect.signature(kind)
+            wrong = next((name for name in named if name not in signature.parameters), "")
+            hint = suggestion(wrong, signature.parameters)
+            if wrong:
+                refusal = f"{wrong} = {shown(named[wrong])}: there is no such argument; {hint}"
+                raise ScenarioError(f"{kind.__name__}: {refusal}") from None
+            try:
+                signature.bind(*values, **named)
+            except TypeError as error:
+                raise ScenarioError(f"{kind.__name__}: {error}; {hint}") from None
             raise
 
     kind.__init__ = checked  # type: ignore[assignment]
     return kind
-
-
-def _check_arguments(kind: type, values: tuple[Any, ...], named: Mapping[str, Any]) -> None:
-    signature = inspect.signature(kind)
-    known = list(signature.parameters)
-    for name in (name for name in named if name not in known):
-        given = f"{kind.__name__}: {name} = {shown(named[name])}"
-        hint = suggestion(name, known)
-        raise ScenarioError(f"{given}: there is no such argument; {hint}") from None
-    try:
-        signature.bind(*values, **named)
-    except TypeError as error:
-        raise ScenarioError(f"{kind.__name__}: {error}; {suggestion('', known)}") from None
