@@ -195,10 +195,13 @@ class CsvTable:
                 break
         else:
             return
-        (at, line), below = self._past_preamble((at, line), lines, columns, stated and stated[1])
-        is_row = any(map(_is_number, self._cells(line)))
-        above = self._take_header(comments, columns, line) if is_row else []
-        self._rows = self._parsed(itertools.chain(above, [(at, line)], below))
+        near = [(at, line), *itertools.islice(lines, _PREAMBLE)]
+        k = self._place_of_names([line for _, line in near], columns, stated and stated[1])
+        self.separator = stated[1] if stated else _separator_of(near[k][1])
+        self.above = sum(bool(line.strip()) for _, line in near[:k])
+        is_row = any(map(_is_number, self._cells(near[k][1])))
+        above = self._take_header(comments, columns, near[k][1]) if is_row else []
+        self._rows = self._parsed(itertools.chain(above, near[k:], lines))
         if not self.line:
             self.line, self.header = next(self._rows)
         if len(self.header) <= MOST_COLUMNS:  # else it is refused, see `columns`
@@ -211,46 +214,33 @@ class CsvTable:
                 '(numpy.savetxt with delimiter=",")'
             )
 
-    def _past_preamble(
-        self,
-        first: tuple[int, str],
-        lines: Iterator[tuple[int, str]],
-        columns: Collection[str],
-        separator: str | None,
-    ) -> tuple[tuple[int, str], Iterator[tuple[int, str]]]:
-        """The first line, or the one of names below others, as loggers write; and those below."""
+    def _place_of_names(
+        self, lines: list[str], columns: Collection[str], separator: str | None
+    ) -> int:
+        """Place of the line of names, which may be below others, as loggers write."""
         known = {name.casefold() for name in columns}
-        near, best = [first, *itertools.islice(lines, _PREAMBLE)], (0, 0, 0)
-        for k, (_, line) in enumerate(near):
+        best = (0, 0, 0)
+        for k, line in enumerate(lines):
             self.separator = separator or _separator_of(line)
             cells = [] if line.lstrip().startswith("#") else self._cells(line)
             named = sum(split_unit(cell)[0].casefold() in known for cell in cells[:MOST_COLUMNS])
             if named and (k == 0 or (len(cells) > 1 and not any(map(_is_number, cells)))):
                 best = max(best, (named, len(cells), -k))
         if best[0]:
-            self.separator = separator or _separator_of(near[-best[2]][1])
-            return self._from(near, -best[2], lines)
-        self.separator = separator or _separator_of(near[-1][1])
-        rows = [(k, self._cells(line)) for k, (_, line) in enumerate(near) if line.strip()]
-        width = len(rows[-1][1])
+            return -best[2]
+        rows = [(k, self._cells(line)) for k, line in enumerate(lines) if line.strip()]
+        last, width = rows[-1][0], len(rows[-1][1])
         above = itertools.dropwhile(lambda row: any(map(_is_number, row[1])), reversed(rows))
         names = [(k, cells) for k, cells in itertools.islice(above, 2)
                  if len(cells) == width > 1]  # fmt: skip
+        if not names or names[0][0] == last or any(map(_is_number, names[0][1])):
+            return 0
         # Names below as many numbers are of a logger that began anew: the first names count.
-        names = [] if any(len(cells) == width and all(map(_is_number, cells))
-                          for k, cells in rows if names and k < names[0][0]) else names  # fmt: skip
-        if names and names[0][0] != rows[-1][0] and not any(map(_is_number, names[0][1])):
-            units = len(names) > 1 and any(map(is_unit, self._bare_units(names[0][1])))
-            return self._from(near, names[units][0], lines)
-        self.separator = separator or _separator_of(first[1])
-        return first, itertools.chain(near[1:], lines)
-
-    def _from(
-        self, near: list[tuple[int, str]], k: int, lines: Iterator[tuple[int, str]]
-    ) -> tuple[tuple[int, str], Iterator[tuple[int, str]]]:
-        """A line below others, and the lines below it."""
-        self.above = sum(bool(text.strip()) for _, text in near[:k])
-        return near[k], itertools.chain(near[k + 1 :], lines)
+        if any(len(cells) == width and all(map(_is_number, cells))
+               for k, cells in rows if k < names[0][0]):  # fmt: skip
+            return 0
+        units = len(names) > 1 and any(map(is_unit, self._bare_units(names[0][1])))
+        return names[units][0]
 
     @staticmethod
     def _bare_units(cells: list[str]) -> list[str]:
@@ -310,35 +300,32 @@ class CsvTable:
             yield Block(lines, list(zip(*cells, strict=True)) or [()] * width, ragged)
 
     def pointed(self, block: Block, column: int) -> Sequence[str]:
-        """The cells of numbers of a column with decimal points, as by `with_point`."""
-        cells = block.columns[column]
-        if self.separator == ",":
-            return cells
-        pairs = zip(block.lines, cells, strict=True)
-        return [self.with_point(line, column, cell) for line, cell in pairs]
-
-    def with_point(self, line: int, column: int, cell: str) -> str:
-        """A cell of numbers whose decimal comma, if it has one, is a decimal point.
+        """The cells of numbers of a column, whose decimal commas are decimal points.
 
         A ScenarioError if an earlier cell has the other one: either may separate thousands.
         """
-        decimal = None if self.separator == "," else _DECIMAL.fullmatch(cell)
-        if decimal is None:
-            if cell.isdigit():
-                self._bare.setdefault(column, (line, cell))
-            return cell
-        if _THOUSANDS.fullmatch(cell):
-            self._thousands.setdefault(column, (line, cell))
-        else:
-            self._decimals = True
-        mark, other, at = self._mark = self._mark or (decimal[1], cell, line)
-        if mark != decimal[1]:
-            raise ScenarioError(
-                f'line {line}: "{cell}" has a decimal {_MARKS[decimal[1]]} and "{other}" in line '
-                f"{at} a decimal {_MARKS[mark]}; allowed is one of them, and no separators of "
-                "thousands"
-            )
-        return cell.replace(",", ".")
+        if self.separator == ",":
+            return block.columns[column]
+        cells = list(block.columns[column])
+        for k, (line, cell) in enumerate(zip(block.lines, cells, strict=True)):
+            decimal = _DECIMAL.fullmatch(cell)
+            if decimal is None:
+                if cell.isdigit():
+                    self._bare.setdefault(column, (line, cell))
+                continue
+            if _THOUSANDS.fullmatch(cell):
+                self._thousands.setdefault(column, (line, cell))
+            else:
+                self._decimals = True
+            mark, other, at = self._mark = self._mark or (decimal[1], cell, line)
+            if mark != decimal[1]:
+                raise ScenarioError(
+                    f'line {line}: "{cell}" has a decimal {_MARKS[decimal[1]]} and "{other}" in '
+                    f"line {at} a decimal {_MARKS[mark]}; allowed is one of them, and no "
+                    "separators of thousands"
+                )
+            cells[k] = cell.replace(",", ".")
+        return cells
 
     def check_thousands(self) -> None:
         """Refuse, once all cells are read, commas that separate thousands as well as decimals."""
