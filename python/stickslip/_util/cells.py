@@ -1,4 +1,4 @@
-"""Cells of CSV files: the header, and the rows below it in blocks."""
+"""Cells of CSV files: the header, and the rows below it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import math
 import re
 import textwrap
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from typing import NamedTuple
 
 from stickslip._util.units import is_unit, split_unit
 from stickslip.errors import ScenarioError
@@ -128,22 +127,8 @@ def text_lines(data: bytes) -> Iterator[str]:
             yield line.rstrip("\n")
 
 
-_BLOCK = 1 << 12  # lines; chosen: few enough for the room of their cells
-
-
-class Block(NamedTuple):
-    """Rows below a header: their lines, their cells by column, and which have too many or few.
-
-    `ragged` has the number of cells of these by row of the block; their cells are empty here.
-    """
-
-    lines: Sequence[int]
-    columns: Sequence[Sequence[str]]
-    ragged: dict[int, int]
-
-
 class CsvTable:
-    """The header of a CSV file and, by `blocks`, the rows below it.
+    """The header of a CSV file and, by `rows`, what is below it.
 
     Commas, semicolons or tabs separate cells; a first line ``sep=;`` says which. The header is that
     of fifty lines which names the most of `columns`, else the last one above rows of as many
@@ -166,7 +151,7 @@ class CsvTable:
     above : int
         Lines above the header that are no comments.
     comments, beyond : int
-        Comments below the header, and empty columns beyond it, as far as `blocks` has come.
+        Comments below the header, and empty columns beyond it, as far as `rows` has come.
 
     Raises
     ------
@@ -281,33 +266,27 @@ class CsvTable:
         if below is not None:
             self._rows = itertools.chain([below], self._rows)
 
-    def blocks(self) -> Iterator[Block]:
-        """All rows that have a cell.
+    def rows(self) -> Iterator[tuple[int, list[str], int]]:
+        """Line, cells and 0 of each row that has a cell, or how many, if too many or too few.
 
-        A line that begins with # is a row if it has as many cells as the header, else a comment.
+        Their cells are empty here. A line that begins with # is a row if it has as many cells as
+        the header, else a comment.
         """
         width = len(self.header)
-        while some := list(itertools.islice(self._rows, _BLOCK)):
-            lines, cells, ragged = list[int](), list[list[str]](), dict[int, int]()
-            for at, row in some:
-                if not any(row):
-                    continue
-                fitted = self._fitted(row)
-                if len(fitted) != width:
-                    ragged[len(lines)], fitted = len(fitted), [""] * width
-                lines.append(at)
-                cells.append(fitted)
-            yield Block(lines, list(zip(*cells, strict=True)) or [()] * width, ragged)
+        for at, row in self._rows:
+            if any(row):
+                fits = len(fitted := self._fitted(row)) == width
+                yield at, fitted if fits else [""] * width, 0 if fits else len(fitted)
 
-    def pointed(self, block: Block, column: int) -> Sequence[str]:
+    def pointed(self, column: int, lines: Sequence[int], given: Sequence[str]) -> Sequence[str]:
         """The cells of numbers of a column, whose decimal commas are decimal points.
 
         A ScenarioError if an earlier cell has the other one: either may separate thousands.
         """
         if self.separator == ",":
-            return block.columns[column]
-        cells = list(block.columns[column])
-        for k, (line, cell) in enumerate(zip(block.lines, cells, strict=True)):
+            return given
+        cells = list(given)
+        for k, (line, cell) in enumerate(zip(lines, given, strict=True)):
             decimal = _DECIMAL.fullmatch(cell)
             if decimal is None:
                 if cell.isdigit():

@@ -5,6 +5,7 @@ A file, a data frame, a Dataset and a mapping of arrays become the same `SourceT
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -62,6 +63,8 @@ _SAID = {"1": True, "1.0": True, "true": True, "yes": True,
 """How columns of `VALID` say it."""
 
 _NO_ROW = "is empty: there is no row of data below a line of column names"
+
+_BLOCK = 1 << 12  # rows; chosen: few enough for the room of their cells
 
 _NAMED = 5
 """Lines, or columns, that a note names, with "..." for more. Chosen: one line."""
@@ -294,9 +297,7 @@ def read_table(given: Any, recipe: Recipe) -> SourceTable:
         that is not known, or like a known one; with an exact recipe also if a column or cell is not
         as it has to be.
     """
-    source = given if isinstance(given, Source) else Source(
-        given, MOST_EXACT if recipe.exact else MOST_BYTES)  # fmt: skip
-    return source.read(recipe)
+    return Source(given, MOST_EXACT if recipe.exact else MOST_BYTES).read(recipe)
 
 
 def index_labels(table: Any) -> list[Line]:
@@ -333,12 +334,13 @@ def _of_file(source: Source, recipe: Recipe) -> SourceTable:
     parts = list(map(_Part, matches))
     lines: list[int] = []
     ragged: dict[int, int] = {}
-    for block in file.blocks():
-        for k, part in enumerate(parts):
-            is_text = part.what.si is None
-            part.take(block.columns[k] if is_text else file.pointed(block, k))
-        ragged |= {len(lines) + k: count for k, count in block.ragged.items()}
-        lines += block.lines
+    rows = file.rows()
+    while block := list(itertools.islice(rows, _BLOCK)):
+        at, cells, counts = zip(*block, strict=True)
+        for k, (part, column) in enumerate(zip(parts, zip(*cells, strict=True), strict=True)):
+            part.take(column if part.what.si is None else file.pointed(k, at, column))
+        ragged |= {len(lines) + k: count for k, count in enumerate(counts) if count}
+        lines += at
         if len(lines) > _MOST_ROWS and not recipe.exact:
             raise ScenarioError(f"has more rows than are allowed, {_MOST_ROWS}")
     width = len(parts)
@@ -385,15 +387,13 @@ class _Part:
         self.odd: dict[int, str] = {}
         self.count = 0
 
-    def take(self, cells: Sequence[str]) -> None:
-        """Read some cells."""
+    def take(self, cells: Sequence[Any], values: Array | None = None) -> None:
+        """Some cells, and their numbers if these are known, NaN in gaps."""
         if self.what.si is None:
-            self.texts += cells
+            self.texts += map(_cell, cells)
             return
-        self.take_numbers(np.array(list(map(number, cells)), dtype=float), cells)
-
-    def take_numbers(self, values: Array, cells: Sequence[Any]) -> None:
-        """Some numbers of it, NaN in gaps, and how they are written."""
+        if values is None:
+            values = np.array(list(map(number, map(_cell, cells))), dtype=float)
         values = np.where(np.abs(values) < LARGEST, values, math.nan)
         self.odd |= {self.count + k: _cell(cells[k])
                      for k in np.flatnonzero(np.isnan(values)).tolist()}  # fmt: skip
@@ -402,13 +402,13 @@ class _Part:
 
     def take_array(self, values: Any) -> None:
         """Read an array: texts one by one, as those of a file, or numbers."""
-        cells, heading = list(values), f"column {self.what.heading}"
+        cells = list(values)
         if self.what.si is None or any(isinstance(cell, str) for cell in cells):
-            self.take([_cell(value) for value in cells])
+            self.take(cells)
             return
-        if are_times(values):  # dates and durations are in s, whatever the heading says
+        if are_times(values):  # they are in s, whatever the heading says
             self.what = self.what._replace(unit="s", per=1.0)
-        self.take_numbers(numbers(heading, values, gaps=True, finite=False), cells)
+        self.take(cells, numbers(f"column {self.what.heading}", values, gaps=True, finite=False))
 
     def column(self) -> Column:
         """The whole of it, in SI."""
@@ -479,6 +479,8 @@ def _of_arrays(source: Source, recipe: Recipe) -> SourceTable:
 
 
 def _cell(value: Any) -> str:
+    if isinstance(value, str):
+        return value.strip()
     if isinstance(value, float | np.floating):
         return "" if math.isnan(value) else repr(float(value))
     return "" if value is None or str(value) in ("<NA>", "NaT", "--") else str(value).strip()
