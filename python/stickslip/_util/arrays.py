@@ -183,10 +183,7 @@ def in_columns(
         for name in names:
             if name not in given and absent is None:
                 raise ScenarioError(f"{what}: no {name}; allowed are all of {', '.join(names)}")
-            at, column = f"{what}: {name}", given.get(name, absent)
-            if isinstance(column, str):  # one number, which no file wrote
-                refuse(at, column, allowed)
-            columns.append(checked(at, column))
+            columns.append(checked(f"{what}: {name}", given.get(name, absent)))
         try:
             array = locked(np.stack(np.broadcast_arrays(*columns), axis=-1))
         except ValueError:
@@ -301,11 +298,6 @@ def are_times(values: object) -> bool:
     return given.dtype.kind in "mM" or _kind_of(first) in (_DATE, _DURATION)
 
 
-def unit_carried(values: Any) -> str | None:
-    """The unit that values carry, as text; None of plain numbers."""
-    return without_unit(values)[1]
-
-
 def conversions(at: str, given: Mapping[str, tuple[Any, str | None]]) -> list[Note]:
     """A note on columns that carry another unit than is wanted, which is SI where it is None.
 
@@ -313,7 +305,7 @@ def conversions(at: str, given: Mapping[str, tuple[Any, str | None]]) -> list[No
     """
     made = {}
     for name, (values, unit) in given.items():
-        carried = None if values is None else unit_carried(values)
+        carried = without_unit(values)[1]
         if carried is not None:
             wanted, *change = conversion(name, carried, unit, name == "sd")
             if change != [1.0, 0.0]:
@@ -424,14 +416,12 @@ def _kind_of(value: Any) -> str | None:
 
 
 def _kind_of_all(what: str, given: Elements, missing: Mask, allowed: str) -> str:
-    """The kind of all elements but gaps; truths among numbers are numbers."""
+    """The kind of all elements but gaps."""
     if given.dtype.kind != "O":
         if given.dtype.kind not in _KINDS:
             refuse(what, given, allowed)
         return _KINDS[given.dtype.kind]
     kinds = [_kind_of(value) for value in given[~missing]]
-    if set(kinds) == {_TRUTH, _NUMBER}:
-        return _NUMBER
     wrong = np.zeros(given.shape, dtype=bool)
     usual = next((kind for kind in kinds if kind != _TEXT), _TEXT)
     wrong[~missing] = [kind is None or kind != usual for kind in kinds]
@@ -467,24 +457,19 @@ def _seconds(what: str, given: Elements, kind: str, allowed: str) -> Array:
     """Durations, or dates from the earliest one, s, shape (n,)."""
     try:
         if given.dtype.kind == "O":
-            exact = [_in_utc(value) for value in given]
+            zoned = [getattr(value, "tzinfo", None) is not None for value in given]
+            exact = [value.astimezone(datetime.timezone.utc).replace(tzinfo=None) if zone else value
+                     for value, zone in zip(given, zoned, strict=True)]  # fmt: skip
             given = np.array(exact, dtype="M8[us]" if kind == _DATE else "m8[us]")
         if kind == _DATE:
-            unit = "D" if np.datetime_data(given.dtype)[0] in "YM" else None
-            given = given.astype(f"M8[{unit}]") if unit else given
-            given = given - given.min() if len(given) else given - given
+            if np.datetime_data(given.dtype)[0] in "YM":
+                given = given.astype("M8[D]")
+            given = given - (given.min() if len(given) else given)
         if np.datetime_data(given.dtype)[0] == "generic":  # NumPy takes them for seconds.
             raise ValueError
         return np.asarray(given / np.timedelta64(1, "s"), dtype=np.float64)
     except (TypeError, ValueError, OverflowError):  # months, or dates of which some have a zone
         refuse(what, given, allowed)
-
-
-def _in_utc(value: Any) -> Any:
-    """A date with a time zone as one of UTC without; others as they are."""
-    if getattr(value, "tzinfo", None) is None:
-        return value
-    return value.astimezone(datetime.timezone.utc).replace(tzinfo=None)
 
 
 def _refuse_any(what: str, given: Elements, wrong: Mask, allowed: str) -> None:

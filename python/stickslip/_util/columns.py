@@ -504,14 +504,11 @@ def sound_numbers(
     left_out = [*many, *table.notes, *table.not_used()]
     if not sound.all():
         wrong = np.flatnonzero(~sound).tolist()
-        first = wrong[0]
-        name = next(name for name in required if not np.isfinite(there[name][first]))
-        cell = f"the first {name} = {shown(table.columns[name].cell(first))}"
-        if first in table.ragged:
-            cell = f"the first {table.ragged[first]}"
+        name = next(name for name in required if not np.isfinite(there[name][wrong[0]]))
+        cell = f"{name} = {shown(table.columns[name].cell(wrong[0]))}"
         text = (
             f"{table.at(wrong)}: {len(wrong)} of {len(table)} rows have a cell that is no number, "
-            f"too few cells or too many, {cell}."
+            f"too few cells or too many, the first {table.ragged.get(wrong[0], cell)}."
         )
         left_out.append(Note("bad-cells", text, len(wrong)))
     if not sound.any():

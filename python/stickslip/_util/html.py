@@ -6,7 +6,6 @@ import functools
 import hashlib
 import io
 import re
-from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from html import escape
 from typing import TYPE_CHECKING
@@ -102,18 +101,6 @@ def html_table(title: str, rows: Sequence[tuple[str, str]]) -> str:
     ]
     caption = f'<caption style="text-align: left"><b>{_text(title)}</b></caption>'
     return "\n".join(["<table>", caption, *lines, "</table>"])
-
-
-class ShownBySummary(ABC):
-    """An object whose notebook view is its `summary`, escaped and with its line ends."""
-
-    @abstractmethod
-    def summary(self) -> str:
-        """The text."""
-
-    def _repr_html_(self) -> str:
-        shown = "\n".join(map(_text, self.summary().split("\n")))
-        return f'<pre style="white-space: pre-wrap">{shown}</pre>'
 
 
 def _text(value: str) -> str:

@@ -12,12 +12,10 @@ from collections.abc import Iterable, Mapping
 from os import PathLike
 from typing import Any, NoReturn, TypeVar
 
-from stickslip._util.text import is_number, quoted
+from stickslip._util.text import is_number, quoted, shortened
 from stickslip.errors import ScenarioError
 
 _T = TypeVar("_T")
-
-_LONGEST_SHOWN = 60  # characters of a value in an error; chosen: the error stays one line
 
 MOST_VALUES = 10_000_000
 """Values of the longest list, and points of the largest sweep, whose results take 1.5 GB."""
@@ -41,7 +39,7 @@ def shown(value: object) -> str:
             text = " ".join(repr(value).split())
         except ValueError:  # an integer of thousands of digits
             text = "a number too long to print"
-    return text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 3] + "..."
+    return shortened(text)
 
 
 def refuse(key: str, value: object, allowed: str) -> NoReturn:

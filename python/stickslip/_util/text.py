@@ -29,7 +29,7 @@ def printable_lines(text: str) -> str:
 def shortened(text: object, most: int = 60) -> str:
     """The printable text, cut to `most` characters.
 
-    For figures, whose axes need the room. Chosen: a pair of the library's causes fits.
+    Chosen: the line of an error stays one, and a pair of the library's causes fits on an axis.
     """
     text = printable(text)
     return text if len(text) <= most else f"{text[: most - 3]}..."
@@ -121,13 +121,8 @@ class OneLine:
     """
 
     def __repr__(self) -> str:
-        if not is_dataclass(self):
-            return f"{type(self).__name__}()"
-        shown = [
-            f"{field.name}={brief(getattr(self, field.name))}"
-            for field in fields(self)
-            if field.repr and hasattr(self, field.name)
-        ]
+        shown = [f"{field.name}={brief(getattr(self, field.name))}" for field in fields(self)
+                 if field.repr and hasattr(self, field.name)]  # type: ignore[arg-type]  # fmt: skip
         return f"{type(self).__name__}({', '.join(shown)})"
 
 
@@ -146,5 +141,4 @@ def brief(value: Any) -> str:
         if not few:
             kinds = {type(part).__name__ for part in value}
             return f"<{len(value)} {kinds.pop() if len(kinds) == 1 else 'items'}>"
-    text = " ".join(repr(value).split())
-    return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
+    return shortened(" ".join(repr(value).split()), _LONGEST)

@@ -9,7 +9,7 @@ import unicodedata
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, TypeVar
 
-from stickslip._util.messages import nearest
+from stickslip._util.messages import meant
 
 if TYPE_CHECKING:
     import numpy as np
@@ -138,14 +138,13 @@ def per_si(unit: str, si: str) -> float:
     known = _known(si)
     if unit in known:
         return known[unit]
-    meant, of = _size(unit), _size(si)
-    if meant is not None and of is not None and meant[1] == of[1]:
-        return meant[0] / of[0]
+    given, of = _size(unit), _size(si)
+    if given is not None and of is not None and given[1] == of[1]:
+        return given[0] / of[0]
     if si == "1":
         raise ValueError("allowed is no unit, or %")
-    near = nearest(unit, known)
-    hint = f'; did you mean "{near}"?' if near else ""
-    if {meant and meant[1], of and of[1]} == {_size(one)[1] for one in ("Hz", "rpm")}:
+    hint = meant(unit, known)
+    if {given and given[1], of and of[1]} == {_size(one)[1] for one in ("Hz", "rpm")}:
         hint = "; Hz does not say whether it counts turns: a turn is 2 pi rad"
     if unit.rstrip("s") in ("tick", "count") and si == "rad":
         hint = "; of an encoder with 4096 ticks a turn, rev/4096"
