@@ -11,6 +11,7 @@ import functools
 import math
 import numbers as kinds_of_numbers
 import os
+import re
 from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
 from decimal import Decimal
 from typing import Any
@@ -21,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip._util.messages import check_whole, refuse, shown, suggestion
 from stickslip._util.note import Note
 from stickslip._util.text import is_number
-from stickslip._util.units import quantity_of, ratio, to_si, without_delta, zero_of
+from stickslip._util.units import per_si, si_of, to_si, zero_of
 from stickslip.errors import ScenarioError
 
 Array = NDArray[np.float64]
@@ -98,6 +99,7 @@ _KINDS = {"b": _TRUTH, "i": _NUMBER, "u": _NUMBER, "f": _NUMBER, "U": _TEXT, "M"
 """Kinds of values by the kind of a dtype; an array of objects is asked one by one."""
 
 _FINITE = "finite numbers"
+_DIFFERENCE = re.compile(r"^(?:delta[_ ]|Δ|∆)")
 
 
 def numbers(
@@ -234,7 +236,7 @@ def column(what: str, values: object, count: int) -> tuple[Elements, Mask]:
         return locked(np.array(words)), missing
     if kind == _TRUTH:
         return locked(np.where(missing, False, given).astype(bool)), missing
-    si = None if carried is None else quantity_of(carried) or carried
+    si = None if carried is None else si_of(carried)
     return flat(numbers(what, values, allowed, unit=si, gaps=True)), missing
 
 
@@ -361,19 +363,19 @@ def conversion(
     A ScenarioError says that it cannot be. None is any: the SI unit. Of `differences`, ``degC`` and
     ``K`` are the same.
     """
-    wanted = (quantity_of(carried) or carried) if unit is None else unit
+    wanted = si_of(carried) if unit is None else unit
     wanted = "" if wanted in ("-", "1") else wanted
-    of = without_delta(carried)
+    one = _DIFFERENCE.sub("", carried)
     allowed = f"numbers in {wanted}" if wanted else "numbers without a unit"
     refusal = f"{what} is in {carried}: allowed are {allowed}"
-    if of is not None and not differences:
+    if one != carried and not differences:
         raise ScenarioError(f"{refusal}; {carried} is a unit of differences")
-    one = carried if of is None else of
     try:
         if one == wanted or (wanted == "rad" and one in ("", "1", "dimensionless")):
             return wanted, 1.0, 0.0
+        si = si_of(wanted or "-")
         zero = 0.0 if differences else zero_of(one) - zero_of(wanted)
-        return wanted, ratio(one, wanted or "-"), zero
+        return wanted, per_si(one, si) / per_si(wanted or "-", si), zero
     except ValueError as error:
         hint = "".join(str(error).partition("; Hz")[1:])
         raise ScenarioError(f"{refusal}{hint}") from None

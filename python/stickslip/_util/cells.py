@@ -236,11 +236,12 @@ class CsvTable:
         self, comments: list[tuple[int, str]], columns: Collection[str], first: str
     ) -> list[tuple[int, str]]:
         """Make the last comment that names columns of the first row the header; those below it."""
-        count = len(named_cells(self._cells(first)))
+        ends = f"{self.separator} "
+        count = len(self._cells(first.rstrip(ends)))
         spelled = {name.casefold() for name in columns}
         for k in reversed(range(len(comments))):
             at, line = comments[k]
-            names = named_cells(self._cells(line.lstrip().lstrip("#")))
+            names = self._cells(line.lstrip().lstrip("#").rstrip(ends))
             known = any(split_unit(name)[0].casefold() in spelled for name in names)
             if known and len(names) == count and not any(map(_is_number, names)):
                 self.line, self.header = at, names
@@ -249,10 +250,8 @@ class CsvTable:
 
     def _take_units(self) -> None:
         """Join a row of units below the names with them."""
-        below = next(self._rows, None)
-        if below is None:
-            return
-        units = self._bare_units(below[1])
+        below = list(itertools.islice(self._rows, 2))
+        units = self._bare_units(below[0][1]) if below else []
         if any(map(is_unit, units)) and not any(each != "1" and _is_number(each) for each in units):
             pairs = itertools.zip_longest(self.header, units, fillvalue="")
             self.header = [
@@ -260,11 +259,9 @@ class CsvTable:
                 for name, unit in pairs
             ]
             # Below them such a logger says how each was made: Smp, Avg.
-            below = next(self._rows, None) if "TS" in below[1] else None
-            if below and not any(map(_is_number, below[1])):
-                below = None
-        if below is not None:
-            self._rows = itertools.chain([below], self._rows)
+            made = "TS" in below[0][1] and not any(map(_is_number, below[-1][1]))
+            below = below[2 if made else 1 :]
+        self._rows = itertools.chain(below, self._rows)
 
     def rows(self) -> Iterator[tuple[int, list[str], int]]:
         """Line, cells and 0 of each row that has a cell, or how many, if too many or too few.
@@ -363,13 +360,6 @@ class CsvTable:
 def _reader(lines: Iterable[str], separator: str) -> Iterator[list[str]]:
     """Cells of lines; a quote counts after spaces too, as people write them behind commas."""
     return csv.reader(lines, delimiter=separator, skipinitialspace=True)
-
-
-def named_cells(cells: list[str]) -> list[str]:
-    """Cells without the empty ones at the end."""
-    while cells and not cells[-1]:
-        cells = cells[:-1]
-    return cells
 
 
 def _is_number(cell: str) -> bool:

@@ -96,9 +96,8 @@ def _of_stamps(
             f"{path}: column {column.what.heading}: {shown(two[0])} may be hours or minutes: write "
             f'"{name} (hh:mm)" or "{name} (mm:ss)"'
         )
-    since = {k: _nanoseconds(stamp, not dated and unit == "mm:ss") for k, stamp in stamps.items()
-             if bool(stamp["date"]) == dated}  # fmt: skip
-    known = {k: each for k, each in since.items() if each is not None}
+    known = {k: since for k, stamp in stamps.items() if bool(stamp["date"]) == dated
+             and (since := _nanoseconds(stamp, not dated and unit == "mm:ss")) is not None}  # fmt: skip
     first = next(iter(known.values()), 0) if dated else 0
     t = np.full(len(column.values), math.nan)
     t[list(known)] = [(each - first) / 1e9 for each in known.values()]

@@ -500,8 +500,7 @@ def sound_numbers(
     there = {name: column.values for name, column in table.known.items()}
     required = [name for name, entry in recipe.entries.items() if entry.required]
     sound = np.all([np.isfinite(there[name]) for name in required], axis=0)
-    many = table.many_gaps()
-    left_out = [*many, *table.notes, *table.not_used()]
+    left_out = [*table.many_gaps(), *table.notes, *table.not_used()]
     if not sound.all():
         wrong = np.flatnonzero(~sound).tolist()
         name = next(name for name in required if not np.isfinite(there[name][wrong[0]]))

@@ -126,12 +126,8 @@ def replacing(path: str | PathLike[str]) -> Iterator[Path]:
 
 def check_writable(path: str | PathLike[str]) -> None:
     """Raise an OSError for a path to which `replacing` could not write."""
-    with contextlib.suppress(_Tried), replacing(path):
-        raise _Tried
-
-
-class _Tried(Exception):
-    """Ends a trial without a file."""
+    with contextlib.suppress(EOFError), replacing(path):
+        raise EOFError  # ends the trial without a file
 
 
 def check_folder(path: str | PathLike[str], files: Iterable[str] = ()) -> None:

@@ -121,8 +121,8 @@ class OneLine:
     """
 
     def __repr__(self) -> str:
-        shown = [f"{field.name}={brief(getattr(self, field.name))}" for field in fields(self)
-                 if field.repr and hasattr(self, field.name)]  # type: ignore[arg-type]  # fmt: skip
+        shown = [f"{field.name}={brief(getattr(self, field.name))}" for field in fields(self)  # type: ignore[arg-type]
+                 if field.repr and hasattr(self, field.name)]  # fmt: skip
         return f"{type(self).__name__}({', '.join(shown)})"
 
 

@@ -60,7 +60,6 @@ _WORDS = {
 """Names of units in whatever case, also with an s at their end."""
 
 _FACTOR = re.compile(r"(?:([^\d\s^*/.·]+?)|1)(?:\^?([+-]?\d+))?")
-_DIFFERENCE = re.compile(r"(?:delta_|delta |Δ|∆)")
 
 _TURNS = ("1/min", "min-1", "U/min", "r/min")
 """Of an angular velocity they count turns."""
@@ -92,7 +91,7 @@ def handy(unit: str) -> tuple[float, str]:
 
 def unit_label(unit: str) -> str:
     """An SI unit as it is shown; "" for a pure number."""
-    return "" if _is_pure(unit) else unit
+    return "" if unit in ("-", "1") else unit
 
 
 def with_unit(value: float, unit: str) -> str:
@@ -131,7 +130,7 @@ def ended(heading: str) -> list[tuple[str, str]]:
 
 def per_si(unit: str, si: str) -> float:
     """How many of a unit are one of an SI unit; a ValueError lists those of the same quantity."""
-    if _is_pure(si):
+    if si in ("-", "1"):
         if unit in ("-", "1", ""):
             return 1.0
         si = "1"
@@ -150,14 +149,6 @@ def per_si(unit: str, si: str) -> float:
         hint = "; of an encoder with 4096 ticks a turn, rev/4096"
     listed = ", ".join(unit for unit in known if "μ" not in unit)  # the twin of µ looks alike
     raise ValueError(f"allowed are {listed}{hint}")
-
-
-def ratio(unit: str, other: str) -> float:
-    """How many of a unit are one of another; a ValueError if they are of different quantities."""
-    si = quantity_of(other)
-    if si is None:
-        raise ValueError(f"{other} is not known")
-    return per_si(unit, si) / per_si(other, si)
 
 
 @functools.lru_cache(256)
@@ -208,12 +199,6 @@ def _symbol(text: str) -> tuple[float, str | None]:
     return _LONG.get(prefix, 1.0), known
 
 
-def without_delta(unit: str) -> str | None:
-    """The unit of a unit of differences, such as ``delta_degC``; None of any other."""
-    match = _DIFFERENCE.match(unit)
-    return unit[match.end() :] if match else None
-
-
 def quantity_of(unit: str) -> str | None:
     """The SI unit, of those that are known, of the same quantity as a unit; None of no unit."""
     return next((si for si in (*_SI, "-") if is_of(unit, si)), None)
@@ -253,10 +238,6 @@ def zero_of(unit: str | None) -> float:
 def to_si(values: Numbers, per: float) -> Numbers:
     """Numbers in SI units; by an exact power of ten where there is one, so rounded once."""
     return values if per == 1.0 else values / per if per >= 1.0 else values * (1.0 / per)
-
-
-def _is_pure(unit: str) -> bool:
-    return unit in ("1", "-")
 
 
 @functools.lru_cache(64)
