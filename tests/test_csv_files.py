@@ -11,9 +11,10 @@ import pandas as pd
 import pytest
 
 from stickslip import FieldMap, Measurement, Scenario, ScenarioError, Waveform, models
+from stickslip._util.arrays import to_si
 from stickslip._util.columns import read_table, sound_numbers
 from stickslip._util.recipes import Recipe
-from stickslip._util.units import per_si, to_si
+from stickslip._util.units import per_si
 from stickslip.scenario.keys import COIL_NAMES
 from stickslip.walker.read_velocity import read_velocity
 from stickslip.walker.read_velocity import velocities as of_velocities

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip._util.messages import check_whole, refuse, shown, suggestion
 from stickslip._util.note import Note
 from stickslip._util.text import is_number
-from stickslip._util.units import per_si, si_of, to_si, zero_of
+from stickslip._util.units import per_si, si_of, zero_of
 from stickslip.errors import ScenarioError
 
 Array = NDArray[np.float64]
@@ -44,6 +44,11 @@ _ROUNDED, _LAST_PLACES = 1e-13, 4
 Chosen: what sums and products leave."""
 
 
+def to_si(values: Array, per: float) -> Array:
+    """Numbers in SI units; by an exact power of ten where there is one, so rounded once."""
+    return values if per == 1.0 else values / per if per >= 1.0 else values * (1.0 / per)
+
+
 def representatives(values: Iterable[float], kept: Collection[float] = ()) -> dict[float, float]:
     """A representative of each value of a column: one number for all that are the same setting.
 
@@ -56,8 +61,8 @@ def representatives(values: Iterable[float], kept: Collection[float] = ()) -> di
     if not ordered:
         return {}
     spread = ordered[-1] - ordered[0]
-    last_places = _LAST_PLACES * math.ulp(max(abs(ordered[0]), abs(ordered[-1])))
-    rounding = max(_ROUNDED * spread, last_places)
+    largest = max(abs(ordered[0]), abs(ordered[-1]))
+    rounding = max(_ROUNDED * spread, _LAST_PLACES * math.ulp(largest))
     groups: list[list[float]] = []
     for value in ordered:
         within = max(RELATIVE * min(spread, abs(value)), rounding)
@@ -97,6 +102,8 @@ _NUMBER, _TRUTH, _TEXT, _DATE, _DURATION = "number", "truth", "text", "date", "d
 _KINDS = {"b": _TRUTH, "i": _NUMBER, "u": _NUMBER, "f": _NUMBER, "U": _TEXT, "M": _DATE,
           "m": _DURATION}  # fmt: skip
 """Kinds of values by the kind of a dtype; an array of objects is asked one by one."""
+_CLASSES = {_TRUTH: bool | np.bool_, _TEXT: str, _DATE: datetime.date | np.datetime64,
+            _DURATION: datetime.timedelta | np.timedelta64}  # fmt: skip
 
 _FINITE = "finite numbers"
 _DIFFERENCE = re.compile(r"^(?:delta[_ ]|Δ|∆)")
@@ -295,9 +302,7 @@ def _is_of(values: object, *libraries: str) -> bool:
 
 def are_times(values: object) -> bool:
     """Whether values are dates or durations."""
-    given = np.asarray(values)
-    first = next(iter(given.flat), None) if given.dtype.kind == "O" else None
-    return given.dtype.kind in "mM" or _kind_of(first) in (_DATE, _DURATION)
+    return _kind_of(next(iter(np.asarray(values).flat), None)) in (_DATE, _DURATION)
 
 
 def conversions(at: str, given: Mapping[str, tuple[Any, str | None]]) -> list[Note]:
@@ -406,15 +411,9 @@ def _is_gap(value: Any) -> bool:
 
 def _kind_of(value: Any) -> str | None:
     """Kind of an object; None of one that has no place here, such as a complex number."""
-    if isinstance(value, bool | np.bool_):
-        return _TRUTH
     if is_number(value) or isinstance(value, Decimal):
         return _NUMBER
-    if isinstance(value, str):
-        return _TEXT
-    if isinstance(value, datetime.date | np.datetime64):
-        return _DATE
-    return _DURATION if isinstance(value, datetime.timedelta | np.timedelta64) else None
+    return next((kind for kind, classes in _CLASSES.items() if isinstance(value, classes)), None)
 
 
 def _kind_of_all(what: str, given: Elements, missing: Mask, allowed: str) -> str:

@@ -17,12 +17,6 @@ from stickslip.errors import ScenarioError
 INSTRUMENTS_PAGE = "examples/read_instruments.py"
 """The page on tables from other programs."""
 
-DECIMAL_COMMAS = (
-    "if these are decimal commas, separate the columns by semicolons or write decimal points; "
-    "else every column needs a name"
-)
-"""Advice for a row with more cells than the header, between commas."""
-
 _OTHER_FORMATS = {
     b"PK\x03\x04": "an Excel workbook (.xlsx), a NumPy archive (.npz) or another ZIP archive",
     b"\xd0\xcf\x11\xe0": "an Excel workbook (.xls)",
@@ -114,13 +108,12 @@ def text_lines(data: bytes) -> Iterator[str]:
             raise ScenarioError(f"is {name}, not CSV; export it as CSV, see {INSTRUMENTS_PAGE}")
     try:
         data.decode("utf-8")
-        wrong, what = data.find(b"\0"), "NUL"
+        at, what = data.find(b"\0"), "NUL"
     except UnicodeDecodeError as error:
-        wrong, what = error.start, "not UTF-8"
-    if wrong >= 0:
-        wide = " (UTF-16 without its mark?)" if what == "NUL" and wrong < 2 else ""
-        message = f"is not text: byte {wrong + 1} is {what}{wide}"
-        raise ScenarioError(f"{message}; save it as CSV in UTF-8")
+        at, what = error.start, "not UTF-8"
+    if at >= 0:
+        wide = " (UTF-16 without its mark?)" if what == "NUL" and at < 2 else ""
+        raise ScenarioError(f"is not text: byte {at + 1} is {what}{wide}; save it as CSV in UTF-8")
     # Lines as they are wanted: all of them together would take ten times the room of the bytes.
     with io.TextIOWrapper(io.BytesIO(data), encoding="utf-8-sig") as file:
         for line in file:
@@ -169,8 +162,7 @@ class CsvTable:
         self._decimals = False
         self._rows: Iterator[tuple[int, list[str]]] = iter(())
         lines = enumerate(text_lines(data), start=1)
-        comments = []
-        stated = None
+        comments, stated = [], None
         for at, line in lines:
             if at == 1 and (stated := _SEPARATOR_LINE.fullmatch(line)):
                 continue

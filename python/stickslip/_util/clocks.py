@@ -96,8 +96,9 @@ def _of_stamps(
             f"{path}: column {column.what.heading}: {shown(two[0])} may be hours or minutes: write "
             f'"{name} (hh:mm)" or "{name} (mm:ss)"'
         )
+    minutes = not dated and unit == "mm:ss"
     known = {k: since for k, stamp in stamps.items() if bool(stamp["date"]) == dated
-             and (since := _nanoseconds(stamp, not dated and unit == "mm:ss")) is not None}  # fmt: skip
+             and (since := _nanoseconds(stamp, minutes)) is not None}  # fmt: skip
     first = next(iter(known.values()), 0) if dated else 0
     t = np.full(len(column.values), math.nan)
     t[list(known)] = [(each - first) / 1e9 for each in known.values()]
@@ -133,10 +134,7 @@ def counted_on(
 
 
 def _full_spans(y: Array, per: float) -> list[float]:
-    """Spans, SI, of counters whose numbers use all of their 16 or 32 bits.
-
-    They are whole ones `per` SI unit, or in tenths and so on.
-    """
+    """Spans, SI, of counters that use all of their 16 or 32 bits, in units, tenths and so on."""
     raw = y * per
     whole = (q for q in _QUANTA if np.allclose(raw / q, np.round(raw / q), rtol=1e-10))
     quantum = next(whole, math.inf)

@@ -23,10 +23,10 @@ from stickslip._util.arrays import (
     columns_of,
     converted,
     numbers,
+    to_si,
     without_unit,
 )
 from stickslip._util.cells import (
-    DECIMAL_COMMAS,
     LARGEST,
     LIMIT,
     MOST_COLUMNS,
@@ -39,7 +39,7 @@ from stickslip._util.messages import refuse, shown
 from stickslip._util.note import Note
 from stickslip._util.recipes import VALID, Match, Recipe
 from stickslip._util.text import counted, plain
-from stickslip._util.units import split_unit, to_si
+from stickslip._util.units import split_unit
 from stickslip.errors import ScenarioError, prefixed
 
 if TYPE_CHECKING:
@@ -171,8 +171,8 @@ class SourceTable:
 
     def conversions(self) -> list[Note]:
         """A note on the columns that were converted to SI, if there are any."""
-        what = [column.what for column in self.columns.values() if column.what.per != 1.0]
-        made = {each.name: f"from {each.unit} to {each.si}" for each in what}
+        made = {what.name: f"from {what.unit} to {what.si}"
+                for each in self.columns.values() if (what := each.what).per != 1.0}  # fmt: skip
         return converted(f"{self.name}: ", made)
 
     def many_gaps(self) -> list[Note]:
@@ -338,7 +338,8 @@ def _of_file(source: Source, recipe: Recipe) -> SourceTable:
     while block := list(itertools.islice(rows, _BLOCK)):
         at, cells, counts = zip(*block, strict=True)
         for k, (part, column) in enumerate(zip(parts, zip(*cells, strict=True), strict=True)):
-            part.take(column if part.what.si is None else file.pointed(k, at, column))
+            pointed = column if part.what.si is None else file.pointed(k, at, column)
+            part.take(pointed, first=len(lines))
         ragged |= {len(lines) + k: count for k, count in enumerate(counts) if count}
         lines += at
         if len(lines) > _MOST_ROWS and not recipe.exact:
@@ -347,8 +348,11 @@ def _of_file(source: Source, recipe: Recipe) -> SourceTable:
     if not lines:
         raise ScenarioError(_NO_ROW)
     if file.separator == "," and len(ragged) == len(lines) and min(ragged.values()) > width:
-        few = f"line {lines[0]} has {ragged[0]} cells, and the header {width} names"
-        raise ScenarioError(f"{few}, and so on; {DECIMAL_COMMAS}")
+        raise ScenarioError(
+            f"line {lines[0]} has {ragged[0]} cells, and the header {width} names, and so on; if "
+            "these are decimal commas, separate the columns by semicolons or write decimal points; "
+            "else every column needs a name"
+        )
     file.check_thousands()
     here: list[_Part] = []
     for part, name in zip(parts, file.header, strict=True):
@@ -385,20 +389,18 @@ class _Part:
         self.texts: list[str] = []
         self.values: list[Array] = [np.empty(0)]
         self.odd: dict[int, str] = {}
-        self.count = 0
 
-    def take(self, cells: Sequence[Any], values: Array | None = None) -> None:
-        """Some cells, and their numbers if these are known, NaN in gaps."""
+    def take(self, cells: Sequence[Any], values: Array | None = None, first: int = 0) -> None:
+        """Cells from a row on, and their numbers if these are known, NaN in gaps."""
         if self.what.si is None:
             self.texts += map(_cell, cells)
             return
         if values is None:
             values = np.array(list(map(number, map(_cell, cells))), dtype=float)
         values = np.where(np.abs(values) < LARGEST, values, math.nan)
-        self.odd |= {self.count + k: _cell(cells[k])
+        self.odd |= {first + k: _cell(cells[k])
                      for k in np.flatnonzero(np.isnan(values)).tolist()}  # fmt: skip
         self.values.append(values)
-        self.count += len(values)
 
     def take_array(self, values: Any) -> None:
         """Read an array: texts one by one, as those of a file, or numbers."""

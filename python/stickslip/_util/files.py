@@ -13,7 +13,6 @@ import stat
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from os import PathLike
 from pathlib import Path
-from typing import BinaryIO
 
 from stickslip.errors import NotWritten, ScenarioError
 
@@ -42,14 +41,6 @@ def read_bytes(path: str | PathLike[str], most: int, kind: str) -> bytes:
     if len(data) > most:
         raise ScenarioError(f"is longer than {most} bytes, so it is no {kind}")
     return data
-
-
-def sha256_of(file: BinaryIO) -> str:
-    """The SHA-256 of an open file from where it stands, hexadecimal."""
-    digest = hashlib.sha256()
-    while piece := file.read(1 << 20):
-        digest.update(piece)
-    return digest.hexdigest()
 
 
 def check_name(path: str | PathLike[str]) -> None:

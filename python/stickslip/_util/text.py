@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import numbers
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any, TypeGuard
@@ -88,9 +87,6 @@ def alike(step: float, *values: float) -> list[str]:
     return [f"{round(value, places) + 0.0:.12g}" for value in values]
 
 
-_UNUSUAL = re.compile(r"[^\n -~]")
-
-
 def json_text(value: Any) -> str:
     """One JSON text; a number that is not finite is null.
 
@@ -98,7 +94,9 @@ def json_text(value: Any) -> str:
     control characters, and the others, such as DEL, act on a terminal.
     """
     text = json.dumps(_finite(value), indent=2, allow_nan=False, ensure_ascii=False)
-    return _UNUSUAL.sub(lambda m: m[0] if m[0].isprintable() else json.dumps(m[0])[1:-1], text)
+    return "".join(
+        char if char == "\n" or char.isprintable() else json.dumps(char)[1:-1] for char in text
+    )
 
 
 def _finite(value: Any) -> Any:

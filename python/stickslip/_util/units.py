@@ -7,15 +7,8 @@ import math
 import re
 import unicodedata
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, TypeVar
 
 from stickslip._util.messages import meant
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-Numbers = TypeVar("Numbers", float, "NDArray[np.float64]")
 
 SI = "si"
 Units = Mapping[str, str] | str | None
@@ -233,11 +226,6 @@ def zero_of(unit: str | None) -> float:
     """Temperature of a unit's zero, K."""
     _, name = _symbol(_plain(unit or ""))
     return {"degC": 273.15, "degF": 459.67 / 1.8}.get(str(name), 0.0)
-
-
-def to_si(values: Numbers, per: float) -> Numbers:
-    """Numbers in SI units; by an exact power of ten where there is one, so rounded once."""
-    return values if per == 1.0 else values / per if per >= 1.0 else values * (1.0 / per)
 
 
 @functools.lru_cache(64)

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 
-from stickslip._util.arrays import Array
+from stickslip._util.arrays import Array, to_si
 from stickslip._util.clocks import JUMP, counted_on, times
 from stickslip._util.columns import Column, Source, SourceTable, limits
 from stickslip._util.messages import refuse, shown
@@ -26,7 +26,6 @@ from stickslip._util.units import (
     is_unit,
     same_unit,
     split_unit,
-    to_si,
     zero_of,
 )
 from stickslip.diagnosis.data.series import Series
