@@ -160,6 +160,8 @@ DIALECTS = {
     "savetxt": lambda lines: ["# of Monday", f"# {lines[0]}", *lines[1:]],
     "header and comment": lambda lines: [f"# {','.join('abcdefghijk')}", *lines],
     "commas at the end": lambda lines: [f"{each},," for each in lines],
+    "commas after the names": lambda lines: [f"{lines[0]},,", *lines[1:]],
+    "savetxt, commas": lambda lines: [f"# {lines[0]},,", *(f"{each},," for each in lines[1:])],
     "commas after the rows": lambda lines: [lines[0], *(f"{each}," for each in lines[1:])],
     "blank cells": lambda lines: [*lines, "," * lines[0].count(",")],
     "a number of commas": lambda lines: [*lines, "", ",,", ""],
@@ -173,7 +175,8 @@ def test_what_programs_write_is_read(tmp_path, kind, dialect):
     plain, _ = read(write(tmp_path / "a.csv", lines[:-1]))
     found, left_out = read(write(tmp_path / "a.csv", DIALECTS[dialect](lines[:-1])))
     assert found == plain
-    empty = {"commas at the end": 2, "commas after the rows": 1}.get(dialect)
+    empty = {"commas at the end": 2, "commas after the names": 2, "savetxt, commas": 2,
+             "commas after the rows": 1}.get(dialect)  # fmt: skip
     assert [(each.code, each.value) for each in left_out] == (
         [("empty-columns", empty)] if empty and kind in MEASURED else []
     )
@@ -384,6 +387,11 @@ REFUSED = {
     "one decimal comma": (b"frequency,velocity\n20,0,001\n", "by semicolons"),
     "both marks": (b"frequency;velocity\n20,5;0.001\n", 'line 2: "0.001" has a decimal point'),
     "thousands": (b'frequency,velocity\n"1,234.5",1e-3\n', "without separators of thousands"),
+    "commas of thousands or decimals": (
+        b"frequency;velocity\n20;999\n30;1,234\n",
+        'line 3: "1,234" may be 1234 or 1.234, as "999" in line 2',
+    ),
+    "too few cells": (b"frequency,velocity,no\n20,1e-3\n", "no row is sound"),
     "python's number": (b"frequency,velocity\n20,1_0e-4\n", '"1_0e-4": allowed is a finite number'),
     "workbook": (b"PK\x03\x04\x14\x00", r"an Excel workbook .*examples/read_instruments\.py"),
     "old workbook": (b"\xd0\xcf\x11\xe0\xa1\xb1", "an Excel workbook"),

@@ -104,6 +104,13 @@ LOGS = {
     "hh:mm or mm:ss": (joint("time", clocks(300, "{m:02}:{s:02}")), JOINT, '"time (mm:ss)"', None),
     "mm:ss": (joint("time (mm:ss)", clocks(300, "{m:02}:{s:02}")), JOINT,
               ("t", 300.0 + np.arange(N)), None),
+    **{f"a date as {template}": (
+        joint("time", clocks(300, template + " {h:02}:{m:02}:{s:02}")), JOINT, ("t", np.arange(N)),
+        "dates") for template in ("31.5.2026", "2026/05/31", "2026-05-31")},
+    "no date": (joint("time", clocks(300, "31.4.2026 {h:02}:{m:02}:{s:02}")), JOINT,
+                "allowed is a finite number or a date", None),
+    "dates beside numbers": (joint("time", [*dates(10**9)[1:], "119"]), JOINT,
+                             "has numbers beside", None),
     "summer time": (joint("time", SEASON), JOINT, "sort the rows, or cut", None),
     "100 ns": (joint("time", dates(100)), JOINT, ("t", 1e-7 * np.arange(N)), None),
     "a turn": (joint(speed="angle (deg)", read=np.degrees(ANGLE) % 360.0), TURNING, ("y", ANGLE),

@@ -337,8 +337,8 @@ def _of_file(source: Source, recipe: Recipe) -> SourceTable:
     rows = file.rows()
     while block := list(itertools.islice(rows, _BLOCK)):
         at, cells, counts = zip(*block, strict=True)
-        for k, (part, column) in enumerate(zip(parts, zip(*cells, strict=True), strict=True)):
-            pointed = column if part.what.si is None else file.pointed(k, at, column)
+        for k, (part, texts) in enumerate(zip(parts, zip(*cells, strict=True), strict=True)):
+            pointed = texts if part.what.si is None else file.pointed(k, at, texts)
             part.take(pointed, first=len(lines))
         ragged |= {len(lines) + k: count for k, count in enumerate(counts) if count}
         lines += at

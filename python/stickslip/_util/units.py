@@ -136,7 +136,7 @@ def per_si(unit: str, si: str) -> float:
     if si == "1":
         raise ValueError("allowed is no unit, or %")
     hint = meant(unit, known)
-    if {given and given[1], of and of[1]} == {_size(one)[1] for one in ("Hz", "rpm")}:
+    if given and of and given[1][:-1] == of[1][:-1] == (0, 0, -1, 0, 0):  # but for an angle
         hint = "; Hz does not say whether it counts turns: a turn is 2 pi rad"
     if unit.rstrip("s") in ("tick", "count") and si == "rad":
         hint = "; of an encoder with 4096 ticks a turn, rev/4096"
@@ -159,10 +159,11 @@ def _size(unit: str) -> _Size | None:
             if match is None or name is None:
                 return None
             made, of = _MADE.get(name, (1e3 if name == "g" else 1.0, None))
-            size = _size(of) if of else (1.0, [int(name == base) for base in _BASES])
+            own = tuple(int(name == base) for base in _BASES)
+            size, powers = (of and _size(of)) or (1.0, own)
             power = sign * int(match[2] or 1)
-            per *= (n * made * size[0]) ** power
-            exponents = [k + power * m for k, m in zip(exponents, size[1], strict=True)]
+            per *= (n * made * size) ** power
+            exponents = [k + power * m for k, m in zip(exponents, powers, strict=True)]
     return per, tuple(exponents)
 
 
