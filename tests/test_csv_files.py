@@ -369,14 +369,14 @@ def test_a_table_in_memory_has_units_and_information_too():
             "frequency (kHz)": [0.02, 0.03],
             "velocity (mm/s)": [1.0, 2.0],
             "day": pd.to_datetime(["2024-05-01", None]),
-            "order": pd.to_datetime(["2024-05-01 10:00", "2024-05-01 10:01"]),
+            "order": pd.to_datetime(["2024-05-01 10:01", "2024-05-01 10:00"]),
         }
     )
     found = Measurement.from_dataframe(table, Scenario())
     (data,) = found.velocity
     assert data.velocity.tolist() == [1e-3, 2e-3]
     assert [each["drive.frequency"] for each in data.conditions] == [20.0, 30.0]
-    assert data.order.tolist() == [0.0, 60.0]
+    assert data.order.tolist() == [60.0, 0.0]
     assert [each.code for each in found.left_out] == ["converted", "columns-not-used"]
 
 

@@ -120,6 +120,9 @@ LOGS = {
     "16 bits below zero": (
         joint(speed="speed (rpm)", read=np.round(3000 * np.sin(3 * T)).astype(int) % 65536), JOINT,
         ("y", np.round(3000 * np.sin(3 * T)) * np.pi / 30), "counted-on"),
+    "no 16 bits": (joint(speed="speed (rpm)", read=5000 * np.arange(N) % 55000), JOINT,
+                   ("y", np.pi / 30 * (5000 * np.arange(N) % 55000)), None),
+    "U/min": (joint(speed="speed_U/min", read=30.0 / np.pi * SPEED), JOINT, ("y", SPEED), None),
     "an error of a controller": (joint(error=0.1 + 0.0 * T), JOINT, ("y", SPEED),
                                  "error-not-used"),
     "a set point beside": (joint(**{"speed setpoint (rad/s)": SPEED + 1.0}), JOINT, ("y", SPEED),
@@ -324,11 +327,25 @@ def test_a_unit_is_known_to_every_door(unit, si, size):
 
 @pytest.mark.parametrize(
     ("unit", "si"),
-    [("Hz", "rad/s"), ("rpm", "Hz"), ("rad/s", "Hz"), ("cycle / s", "Hz"), ("MM", "m"), ("J", "N")],
+    [
+        ("Hz", "rad/s"),
+        ("rpm", "Hz"),
+        ("rad/s", "Hz"),
+        ("cycle / s", "Hz"),
+        ("MM", "m"),
+        ("Mm", "m"),
+        ("J", "N"),
+        ("delta_degC", "K"),
+    ],
 )
 def test_what_is_not_the_same_quantity_is_refused(unit, si):
     with pytest.raises(ScenarioError, match="allowed are numbers in"):
         Series(T, labelled(SPEED, unit), unit=si)
+
+
+def test_a_unit_may_be_one_over_another():
+    assert columns.split_unit("f / 1/s") == ("f", "1/s")
+    assert columns.split_unit("f / 1") == ("f / 1", None)
 
 
 def test_an_input_may_carry_a_unit():
