@@ -272,6 +272,13 @@ def test_a_row_that_begins_with_a_hash_is_not_lost(tmp_path, kind, header, cell)
         read(path)
 
 
+def test_a_wrong_cell_far_below_is_named_by_its_line(tmp_path):
+    rows = [f"{k},0.5,0.5" for k in range(9000)]
+    rows[8500] = "8500,fast,0.5"
+    with pytest.raises(ScenarioError, match='line 8502, column speed = "fast"'):
+        log(write(tmp_path / "a.csv", [LOG[0], *rows]))
+
+
 def test_a_label_may_begin_with_a_hash(tmp_path):
     lines = ["block,frequency,velocity", "#1,20,1e-3", "# a remark", "#2,20,2e-3"]
     path = write(tmp_path / "a.csv", lines)

@@ -104,6 +104,8 @@ LOGS = {
     "hh:mm or mm:ss": (joint("time", clocks(300, "{m:02}:{s:02}")), JOINT, '"time (mm:ss)"', None),
     "mm:ss": (joint("time (mm:ss)", clocks(300, "{m:02}:{s:02}")), JOINT,
               ("t", 300.0 + np.arange(N)), None),
+    "mm:ss of hours": (joint("time (mm:ss)", clocks(3500, "{mm:02}:{s:02}")), JOINT,
+                       ("t", 3500.0 + np.arange(N)), None),
     **{f"a date as {template}": (
         joint("time", clocks(300, template + " {h:02}:{m:02}:{s:02}")), JOINT, ("t", np.arange(N)),
         "dates") for template in ("31.5.2026", "2026/05/31", "2026-05-31")},
@@ -346,6 +348,17 @@ def test_what_is_not_the_same_quantity_is_refused(unit, si):
 def test_a_unit_may_be_one_over_another():
     assert columns.split_unit("f / 1/s") == ("f", "1/s")
     assert columns.split_unit("f / 1") == ("f / 1", None)
+
+
+@pytest.mark.parametrize("kind", ["M8[ns]", "m8[ns]", object])
+def test_dates_are_no_numbers_of_the_unit_of_their_heading(kind):
+    first = datetime.datetime(2026, 5, 1)
+    at = [first + datetime.timedelta(seconds=float(t)) for t in T]
+    if kind == "m8[ns]":
+        at = [each - first for each in at]
+    columns = {**joint(), "time (ms)": np.array(at, dtype=kind)}
+    del columns["t (s)"]
+    np.testing.assert_allclose(models.read_log(columns, JOINT).t, T, atol=1e-9)
 
 
 def test_an_input_may_carry_a_unit():

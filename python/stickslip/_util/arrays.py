@@ -154,9 +154,9 @@ def numbers(
         if given.dtype.kind == "b":  # Some libraries keep the unit of what was compared.
             refuse(what, given, f"{allowed}: true and false have no unit")
         array = np.asarray(to_si(array, per) + zero)
-    if missing.any() and not gaps:
-        first = given[tuple(np.argwhere(missing)[0])]
-        refuse(_at(what, missing), first if _is_gap(first) else np.nan, allowed)
+    if not gaps:
+        hidden = np.ma.isMaskedArray(plain)
+        _refuse_any(what, np.full(given.shape, np.nan) if hidden else given, missing, allowed)
     if finite:
         _refuse_any(what, given, ~np.isfinite(array) & ~missing, allowed)
     return locked(array)
@@ -192,7 +192,10 @@ def in_columns(
         for name in names:
             if name not in given and absent is None:
                 raise ScenarioError(f"{what}: no {name}; allowed are all of {', '.join(names)}")
-            columns.append(checked(f"{what}: {name}", given.get(name, absent)))
+            at, column = f"{what}: {name}", given.get(name, absent)
+            if isinstance(column, str):  # one number, which no file wrote
+                refuse(at, column, allowed)
+            columns.append(checked(at, column))
         try:
             array = locked(np.stack(np.broadcast_arrays(*columns), axis=-1))
         except ValueError:
@@ -476,14 +479,9 @@ def _seconds(what: str, given: Elements, kind: str, allowed: str) -> Array:
 def _refuse_any(what: str, given: Elements, wrong: Mask, allowed: str) -> None:
     """Refuse the first of the wrong elements, if there are any."""
     if wrong.any():
-        refuse(_at(what, wrong), given[tuple(np.argwhere(wrong)[0])], allowed)
-
-
-def _at(what: str, wrong: Mask) -> str:
-    """The name of the first of the wrong elements."""
-    index = np.argwhere(wrong)[0].tolist()
-    where = f": row {index[0]}" if len(index) == 1 else f"{index}" if index else ""
-    return f"{what}{where}"
+        index = np.argwhere(wrong)[0].tolist()
+        where = f": row {index[0]}" if len(index) == 1 else f"{index}" if index else ""
+        refuse(f"{what}{where}", given[tuple(index)], allowed)
 
 
 def locked(array: Elements) -> Elements:
