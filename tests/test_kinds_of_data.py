@@ -361,6 +361,10 @@ def test_dates_are_no_numbers_of_the_unit_of_their_heading(kind):
     np.testing.assert_allclose(models.read_log(columns, JOINT).t, T, atol=1e-9)
 
 
+def test_truths_among_numbers_are_numbers():
+    assert Series(T, np.array([True, *SPEED[1:]], dtype=object)).y[0] == 1.0
+
+
 def test_an_input_may_carry_a_unit():
     inputs = {"power": labelled(1e3 * SPEED, "mW"), "ambient": labelled(293.15 + T, "K")}
     series = Series(T, 20.0 + T, inputs, unit="degC")

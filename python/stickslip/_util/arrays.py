@@ -420,12 +420,14 @@ def _kind_of(value: Any) -> str | None:
 
 
 def _kind_of_all(what: str, given: Elements, missing: Mask, allowed: str) -> str:
-    """The kind of all elements but gaps."""
+    """The kind of all elements but gaps; truths among numbers are numbers."""
     if given.dtype.kind != "O":
         if given.dtype.kind not in _KINDS:
             refuse(what, given, allowed)
         return _KINDS[given.dtype.kind]
     kinds = [_kind_of(value) for value in given[~missing]]
+    if set(kinds) == {_TRUTH, _NUMBER}:
+        return _NUMBER
     wrong = np.zeros(given.shape, dtype=bool)
     usual = next((kind for kind in kinds if kind != _TEXT), _TEXT)
     wrong[~missing] = [kind is None or kind != usual for kind in kinds]
