@@ -12,9 +12,10 @@ import pandas as pd
 import pytest
 
 from stickslip import FieldMap, Measurement, Scenario, ScenarioError, Waveform, models
+from stickslip._util.arrays import to_si
 from stickslip._util.columns import read_table, sound_numbers
 from stickslip._util.recipes import Recipe
-from stickslip._util.units import per_si, to_si
+from stickslip._util.units import per_si
 from stickslip.scenario.keys import COIL_NAMES
 from stickslip.walker.read_velocity import read_velocity
 from stickslip.walker.read_velocity import velocities as of_velocities
@@ -160,6 +161,8 @@ DIALECTS = {
     "savetxt": lambda lines: ["# of Monday", f"# {lines[0]}", *lines[1:]],
     "header and comment": lambda lines: [f"# {','.join('abcdefghijk')}", *lines],
     "commas at the end": lambda lines: [f"{each},," for each in lines],
+    "commas after the names": lambda lines: [f"{lines[0]},,", *lines[1:]],
+    "savetxt, commas": lambda lines: [f"# {lines[0]},,", *(f"{each},," for each in lines[1:])],
     "commas after the rows": lambda lines: [lines[0], *(f"{each}," for each in lines[1:])],
     "blank cells": lambda lines: [*lines, "," * lines[0].count(",")],
     "a number of commas": lambda lines: [*lines, "", ",,", ""],
@@ -173,7 +176,8 @@ def test_what_programs_write_is_read(tmp_path, kind, dialect):
     plain, _ = read(write(tmp_path / "a.csv", lines[:-1]))
     found, left_out = read(write(tmp_path / "a.csv", DIALECTS[dialect](lines[:-1])))
     assert found == plain
-    empty = {"commas at the end": 2, "commas after the rows": 1}.get(dialect)
+    empty = {"commas at the end": 2, "commas after the names": 2, "savetxt, commas": 2,
+             "commas after the rows": 1}.get(dialect)  # fmt: skip
     assert [(each.code, each.value) for each in left_out] == (
         [("empty-columns", empty)] if empty and kind in MEASURED else []
     )
@@ -321,6 +325,13 @@ def test_a_row_that_begins_with_a_hash_is_not_lost(tmp_path, kind, header, cell)
         read(path)
 
 
+def test_a_wrong_cell_far_below_is_named_by_its_line(tmp_path):
+    rows = [f"{k},0.5,0.5" for k in range(9000)]
+    rows[8500] = "8500,fast,0.5"
+    with pytest.raises(ScenarioError, match='line 8502, column speed = "fast"'):
+        log(write(tmp_path / "a.csv", [LOG[0], *rows]))
+
+
 def test_a_label_may_begin_with_a_hash(tmp_path):
     lines = ["block,frequency,velocity", "#1,20,1e-3", "# a remark", "#2,20,2e-3"]
     path = write(tmp_path / "a.csv", lines)
@@ -418,14 +429,14 @@ def test_a_table_in_memory_has_units_and_information_too():
             "frequency (kHz)": [0.02, 0.03],
             "velocity (mm/s)": [1.0, 2.0],
             "day": pd.to_datetime(["2024-05-01", None]),
-            "order": pd.to_datetime(["2024-05-01 10:00", "2024-05-01 10:01"]),
+            "order": pd.to_datetime(["2024-05-01 10:01", "2024-05-01 10:00"]),
         }
     )
     found = Measurement.from_dataframe(table, Scenario())
     (data,) = found.velocity
     assert data.velocity.tolist() == [1e-3, 2e-3]
     assert [each["drive.frequency"] for each in data.conditions] == [20.0, 30.0]
-    assert data.order.tolist() == [0.0, 60.0]
+    assert data.order.tolist() == [60.0, 0.0]
     assert [each.code for each in found.left_out] == ["converted", "columns-not-used"]
 
 
@@ -436,6 +447,11 @@ REFUSED = {
     "one decimal comma": (b"frequency,velocity\n20,0,001\n", "by semicolons"),
     "both marks": (b"frequency;velocity\n20,5;0.001\n", 'line 2: "0.001" has a decimal point'),
     "thousands": (b'frequency,velocity\n"1,234.5",1e-3\n', "without separators of thousands"),
+    "commas of thousands or decimals": (
+        b"frequency;velocity\n20;999\n30;1,234\n",
+        'line 3: "1,234" may be 1234 or 1.234, as "999" in line 2',
+    ),
+    "too few cells": (b"frequency,velocity,no\n20,1e-3\n", "no row is sound"),
     "python's number": (b"frequency,velocity\n20,1_0e-4\n", '"1_0e-4": allowed is a finite number'),
     "archive": (b"PK\x03\x04\x14\x00", r"another ZIP archive.*examples/read_instruments\.py"),
     "old workbook": (b"\xd0\xcf\x11\xe0\xa1\xb1", "an Excel workbook"),

@@ -154,11 +154,10 @@ UNDERSTOOD = {
                    ["current_mA input: current mA 0", "position (counts) not used counts 0"],
                    ["--set reads=angle"]),
     "counts": ("t (s),motor_current_mA,position (counts)", f"{CURRENT} --set reads=angle", 2,
-               ["position (counts) not used counts 0"],
-               ['call one "angle (counts)"', 'call one "current (mA)"']),
-    "all at once": ("when,motor_current_mA,position (deg)", CURRENT, 2,
-                    ["motor_current_mA not used 0"],
-                    ['call one "t (s)"', "--set reads=angle", 'call one "current (mA)"']),
+               ["motor_current_mA input: current mA 0", "position (counts) not used counts 0"],
+               ['call one "angle (counts)"']),
+    "all at once": ("when,motor_current,position (deg)", CURRENT, 2, ["motor_current not used 0"],
+                    ['call one "t (s)"', "--set reads=angle", 'call one "current (A)"']),
     "no model": ("t (s),torque (N m),speed (rad/s)", "", 0, ["torque (N m) not used N m 0"],
                  ["--model NAME, such as joint, axis, pendulum, oscillator, thermal, servo"]),
     "two of one name": ("t (s),speed,speed", JOINED, 2, ["t (s) time s"],
@@ -205,11 +204,11 @@ def test_a_cell_that_is_no_number_is_counted_by_read(tmp_path):
 
 # Headings of a joint that is driven by a current, which are not its names, and what to call them.
 CALLED = {
-    "motor_current_mA": 'call one "current (mA)"', "drive (mA)": None,
-    "motor_current_kA": 'call one "current (kA)"', "motor current uA": 'call one "current (uA)"',
+    **dict.fromkeys(["motor_current_mA", "drive (mA)", "motor_current_mA,mode"], 1e-3),
+    "motor_current_kA": 1e3, "motor current uA": 1e-6,  # the only ones of their unit
     "motor_current": 'call one "current (A)"', "motor_current_mV": "; allowed are",
     "motor_current_mA,bus_current_A": 'call one "current (mA)" or "current (A)"',
-    "motor_current_mA,mode": 'call one "current (mA)"', "motor (V)": "; allowed are",
+    "motor (V)": "; allowed are",
 }  # fmt: skip
 
 
@@ -217,8 +216,8 @@ CALLED = {
 def test_what_to_call_a_column_has_the_unit_that_its_heading_states(heads):
     model = models.joint(inertia=1.0, torque_constant=1.0)
     columns = {"t (s)": T, "speed (rad/s)": T, **dict.fromkeys(heads.split(","), T)}
-    if CALLED[heads] is None:  # the only one of its unit
-        assert models.read_log(columns, model)["current"] == pytest.approx(1e-3 * T)
+    if isinstance(CALLED[heads], float):
+        assert models.read_log(columns, model)["current"] == pytest.approx(CALLED[heads] * T)
         return
     with pytest.raises(ScenarioError, match=re.escape(CALLED[heads])) as error:
         models.read_log(columns, model)
@@ -242,11 +241,11 @@ def test_one_of_two_of_a_name_is_to_be_called_so_in_its_unit(read, call):
     assert f"call the one to be used {call}, and the other" in refusal(columns, None)
 
 
-def test_an_input_that_is_not_known_is_to_be_called_so_in_its_unit():
-    columns = {"t (s)": T, "displacement (m)": T, "push_kN": T}
+def test_an_input_that_is_not_known_is_to_be_called_so():
+    columns = {"t (s)": T, "displacement (m)": T, "push": T}
     log = models.read_log(columns, models.oscillator(mass=1.0, stiffness=1.0))
     said = [str(note) for note in log.own_notes]
-    assert 'If "push_kN" is the force, call it "force (kN)".' in said
+    assert 'If "push" is the force, call it "force (N)".' in said
 
 
 def test_a_log_that_is_understood_is_kept_as_a_recipe(tmp_path):

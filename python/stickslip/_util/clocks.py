@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -23,6 +24,7 @@ _LATE = 1e8
 """Time, s, from which on times are counted from the first. Chosen: no experiment runs for three
 years, and fractions of a microsecond stay."""
 
+_EPOCH = datetime.date(1970, 1, 1)
 _QUANTA = (1.0, 0.1, 0.01, 1e-3)  # of numbers with 16 or 32 bits, in their unit
 
 
@@ -35,24 +37,22 @@ def seconds(cell: str) -> float:
 
 def _nanoseconds(stamp: re.Match[str], minutes: bool) -> int | None:
     """Time of a date since 1970, of a clock since midnight; one of two parts may be in minutes."""
-    parts = stamp["clock"].replace(",", ".").split(":")
-    whole, _, fraction = parts[-1].partition(".")
-    numbers = [*map(int, parts[:-1]), int(whole)]
-    if len(numbers) == 2:
-        numbers = [0, *numbers] if minutes else [*numbers, 0]
-    hours, minute, second = numbers
+    whole, _, fraction = stamp["clock"].replace(",", ".").partition(".")
+    parts = [*map(int, whole.split(":"))]
+    if len(parts) == 2:
+        parts = [0, *parts] if minutes else [*parts, 0]
+    hours, minute, second = parts
+    zone = stamp["zone"] or "+0000"
+    ahead = 3600 * int(zone[:3]) + 60 * int(zone[0] + zone[-2:])
+    date = [*map(int, re.split("[-/.]", (stamp["date"] or "1970-01-01").strip(" T")))]
     if hours > 23 or second > 59 or (minute > 59 and not minutes):
         return None
-    clock = (3600 * hours + 60 * minute + second) * 10**9 + int(f"{fraction[:9]:0<9}")
-    zone = stamp["zone"] or "+0000"
-    ahead = (3600 * int(zone[:3]) + 60 * int(zone[0] + zone[-2:])) * 10**9
-    day = (stamp["date"] or "1970-01-01").strip(" T").replace("/", "-")
-    if "." in day:
-        day = "{2}-{1:0>2}-{0:0>2}".format(*day.split("."))
     try:
-        return int(np.datetime64(day, "D").astype(int)) * 86400 * 10**9 + clock - ahead
+        days = (datetime.date(*(date if date[0] > 31 else date[::-1])) - _EPOCH).days
     except ValueError:
         return None
+    since = 86400 * days + 3600 * hours + 60 * minute + second - ahead
+    return since * 10**9 + int(f"{fraction[:9]:0<9}")
 
 
 def times(column: Column, path: object, lines: Sequence[Line]) -> tuple[Array, list[Note]]:
@@ -96,9 +96,9 @@ def _of_stamps(
             f"{path}: column {column.what.heading}: {shown(two[0])} may be hours or minutes: write "
             f'"{name} (hh:mm)" or "{name} (mm:ss)"'
         )
-    since = {k: _nanoseconds(stamp, not dated and unit == "mm:ss") for k, stamp in stamps.items()
-             if bool(stamp["date"]) == dated}  # fmt: skip
-    known = {k: each for k, each in since.items() if each is not None}
+    minutes = not dated and unit == "mm:ss"
+    known = {k: since for k, stamp in stamps.items() if bool(stamp["date"]) == dated
+             and (since := _nanoseconds(stamp, minutes)) is not None}  # fmt: skip
     first = next(iter(known.values()), 0) if dated else 0
     t = np.full(len(column.values), math.nan)
     t[list(known)] = [(each - first) / 1e9 for each in known.values()]
@@ -134,18 +134,9 @@ def counted_on(
 
 
 def _full_spans(y: Array, per: float) -> list[float]:
-    """Spans, SI, of counters whose numbers use all of their 16 or 32 bits.
-
-    They are whole ones `per` SI unit, or in tenths and so on.
-    """
-    if not len(y) or not np.ptp(y):
-        return []
+    """Spans, SI, of counters that use all of their 16 or 32 bits, in units, tenths and so on."""
     raw = y * per
     whole = (q for q in _QUANTA if np.allclose(raw / q, np.round(raw / q), rtol=1e-10))
-    quantum, spans = next(whole, math.inf), []
-    low, high = np.min(raw) / quantum, np.max(raw) / quantum
-    for end in (2.0**16, 2.0**32):
-        from_zero = 0.0 <= low < 0.01 * end and high > 0.99 * end
-        if high - low < end and (from_zero or (low < -0.49 * end and high > 0.49 * end)):
-            spans.append(end * quantum / per)
-    return spans
+    quantum = next(whole, math.inf)
+    used = np.ptp(raw) / quantum if len(raw) else 0.0
+    return [end * quantum / per for end in (2.0**16, 2.0**32) if 0.98 * end < used < end]

@@ -99,10 +99,9 @@ class Recipe:
             if name not in names:
                 made.append(Match(heading, heading, known=False))
                 continue
-            si = self.entries[names[name]].unit
-            per = 1.0 if unit is None else per_heading(heading, unit, "-" if si is None else si)
-            clock = self.entries[names[name]].clock
-            made.append(Match(heading, names[name], si, unit, per, clock=clock))
+            entry = self.entries[names[name]]
+            per = 1.0 if unit is None else per_heading(heading, unit, entry.unit or "-")
+            made.append(Match(heading, names[name], entry.unit, unit, per, clock=entry.clock))
         refuse_twice([match.name for match in made])
         return made
 

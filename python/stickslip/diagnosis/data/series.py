@@ -20,7 +20,7 @@ from stickslip._util.arrays import (
     locked,
     root_mean_square,
     row,
-    unit_carried,
+    without_unit,
 )
 from stickslip._util.messages import known_arguments, refuse, shown
 from stickslip._util.note import Note
@@ -238,7 +238,7 @@ class Series(Table):
 
 def _unit_of_input(values: ArrayLike, unit: str) -> str | None:
     """The unit that an input is taken in: SI, or of temperatures that of the readings."""
-    carried = unit_carried(values)
+    carried = without_unit(values)[1]
     if carried is None:
         return None
     si = quantity_of(carried)
