@@ -4,6 +4,7 @@ import codecs
 import itertools
 import math
 import re
+import zipfile
 from collections.abc import Mapping
 
 import numpy as np
@@ -11,9 +12,10 @@ import pandas as pd
 import pytest
 
 from stickslip import FieldMap, Measurement, Scenario, ScenarioError, Waveform, models
+from stickslip._util.arrays import to_si
 from stickslip._util.columns import read_table, sound_numbers
 from stickslip._util.recipes import Recipe
-from stickslip._util.units import per_si, to_si
+from stickslip._util.units import per_si
 from stickslip.scenario.keys import COIL_NAMES
 from stickslip.walker.read_velocity import read_velocity
 from stickslip.walker.read_velocity import velocities as of_velocities
@@ -159,6 +161,8 @@ DIALECTS = {
     "savetxt": lambda lines: ["# of Monday", f"# {lines[0]}", *lines[1:]],
     "header and comment": lambda lines: [f"# {','.join('abcdefghijk')}", *lines],
     "commas at the end": lambda lines: [f"{each},," for each in lines],
+    "commas after the names": lambda lines: [f"{lines[0]},,", *lines[1:]],
+    "savetxt, commas": lambda lines: [f"# {lines[0]},,", *(f"{each},," for each in lines[1:])],
     "commas after the rows": lambda lines: [lines[0], *(f"{each}," for each in lines[1:])],
     "blank cells": lambda lines: [*lines, "," * lines[0].count(",")],
     "a number of commas": lambda lines: [*lines, "", ",,", ""],
@@ -172,7 +176,8 @@ def test_what_programs_write_is_read(tmp_path, kind, dialect):
     plain, _ = read(write(tmp_path / "a.csv", lines[:-1]))
     found, left_out = read(write(tmp_path / "a.csv", DIALECTS[dialect](lines[:-1])))
     assert found == plain
-    empty = {"commas at the end": 2, "commas after the rows": 1}.get(dialect)
+    empty = {"commas at the end": 2, "commas after the names": 2, "savetxt, commas": 2,
+             "commas after the rows": 1}.get(dialect)  # fmt: skip
     assert [(each.code, each.value) for each in left_out] == (
         [("empty-columns", empty)] if empty and kind in MEASURED else []
     )
@@ -241,6 +246,58 @@ def test_a_cell_is_a_number_or_a_gap_or_refused_in_all_tables(tmp_path, kind, se
         assert f'"{cell}": allowed is a finite number' in str(error.value)
 
 
+def workbook(path, **sheets):
+    book = pytest.importorskip("openpyxl").Workbook()
+    book.remove(book.active)
+    for name, rows in sheets.items():
+        sheet = book.create_sheet(name)
+        for row in rows:
+            sheet.append(row)
+    book.save(path)
+    return path
+
+
+@pytest.mark.parametrize("kind", FILES)
+def test_a_workbook_is_read_as_the_table_that_it_holds(tmp_path, kind):
+    read, lines = FILES[kind]
+    rows = [line.split(",") for line in lines[:-1]]
+    rows = [[float(c) if float_or_word(c) else c for c in row] for row in rows]
+    assert read(workbook(tmp_path / "a.xlsx", empty=[], one=[[], *rows]))[0] == read(
+        write(tmp_path / "a.csv", lines[:-1]))[0]  # fmt: skip
+    with pytest.raises(ScenarioError, match='sheets "one", "two" have data: allowed is one'):
+        read(workbook(tmp_path / "b.xlsx", one=rows, two=[[1]]))
+    (tmp_path / "c.xlsx").write_bytes((tmp_path / "a.xlsx").read_bytes()[:-40])
+    with pytest.raises(ScenarioError, match=r"c\.xlsx: is a .*damaged workbook"):
+        read(tmp_path / "c.xlsx")
+
+
+def test_a_workbook_that_unpacks_to_too_much_is_not_opened(tmp_path):
+    path = workbook(tmp_path / "a.xlsx", one=[["t", "x"], [0.0, 1.0]])
+    with (
+        zipfile.ZipFile(path, "a", zipfile.ZIP_DEFLATED) as archive,
+        archive.open("xl/more.xml", "w") as file,
+    ):
+        for _ in range(513):
+            file.write(bytes(1 << 20))
+    with pytest.raises(ScenarioError, match=r"unpacks to 513 MiB: allowed are 512 MiB"):
+        read_table(path, Recipe.of(FRAMES))
+
+
+def test_a_workbook_has_times_texts_and_errors_of_its_own(tmp_path):
+    begin = pd.Timestamp("2026-05-01 12:00:00.25")
+    heads = ["Time", "speed\n(deg/s)", "torque (N m)", "ok"]
+    rows = [[(begin + pd.Timedelta(0.5 * k, "s")).to_pydatetime(), 10 * k, 0.1, True]
+            for k in range(9)]  # fmt: skip
+    rows[2][1], rows[4][1], rows[5][3] = None, "#DIV/0!", False
+    read = models.read_log(workbook(tmp_path / "a.xlsx", log=[["of; Monday"], heads, *rows]), JOINT)
+    kept = [0, 1, 3, 6, 7, 8]
+    assert read.t == pytest.approx(0.5 * np.array(kept), abs=1e-6)
+    assert read.y == pytest.approx(np.radians(10.0 * np.array(kept)))
+    rows[3][1] = "3 deg/s"
+    with pytest.raises(ScenarioError, match='line 6, column speed = "3 deg/s": allowed is'):
+        models.read_log(workbook(tmp_path / "b.xlsx", log=[["of; Monday"], heads, *rows]), JOINT)
+
+
 @pytest.mark.parametrize("mark", [codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE])
 def test_utf_16_is_read(tmp_path, mark):
     read, lines = FILES["velocities"]
@@ -266,6 +323,13 @@ def test_a_row_that_begins_with_a_hash_is_not_lost(tmp_path, kind, header, cell)
         return
     with pytest.raises(ScenarioError, match=r"(?:row|line) 2\b"):
         read(path)
+
+
+def test_a_wrong_cell_far_below_is_named_by_its_line(tmp_path):
+    rows = [f"{k},0.5,0.5" for k in range(9000)]
+    rows[8500] = "8500,fast,0.5"
+    with pytest.raises(ScenarioError, match='line 8502, column speed = "fast"'):
+        log(write(tmp_path / "a.csv", [LOG[0], *rows]))
 
 
 def test_a_label_may_begin_with_a_hash(tmp_path):
@@ -365,14 +429,14 @@ def test_a_table_in_memory_has_units_and_information_too():
             "frequency (kHz)": [0.02, 0.03],
             "velocity (mm/s)": [1.0, 2.0],
             "day": pd.to_datetime(["2024-05-01", None]),
-            "order": pd.to_datetime(["2024-05-01 10:00", "2024-05-01 10:01"]),
+            "order": pd.to_datetime(["2024-05-01 10:01", "2024-05-01 10:00"]),
         }
     )
     found = Measurement.from_dataframe(table, Scenario())
     (data,) = found.velocity
     assert data.velocity.tolist() == [1e-3, 2e-3]
     assert [each["drive.frequency"] for each in data.conditions] == [20.0, 30.0]
-    assert data.order.tolist() == [0.0, 60.0]
+    assert data.order.tolist() == [60.0, 0.0]
     assert [each.code for each in found.left_out] == ["converted", "columns-not-used"]
 
 
@@ -383,8 +447,13 @@ REFUSED = {
     "one decimal comma": (b"frequency,velocity\n20,0,001\n", "by semicolons"),
     "both marks": (b"frequency;velocity\n20,5;0.001\n", 'line 2: "0.001" has a decimal point'),
     "thousands": (b'frequency,velocity\n"1,234.5",1e-3\n', "without separators of thousands"),
+    "commas of thousands or decimals": (
+        b"frequency;velocity\n20;999\n30;1,234\n",
+        'line 3: "1,234" may be 1234 or 1.234, as "999" in line 2',
+    ),
+    "too few cells": (b"frequency,velocity,no\n20,1e-3\n", "no row is sound"),
     "python's number": (b"frequency,velocity\n20,1_0e-4\n", '"1_0e-4": allowed is a finite number'),
-    "workbook": (b"PK\x03\x04\x14\x00", r"an Excel workbook .*examples/read_instruments\.py"),
+    "archive": (b"PK\x03\x04\x14\x00", r"another ZIP archive.*examples/read_instruments\.py"),
     "old workbook": (b"\xd0\xcf\x11\xe0\xa1\xb1", "an Excel workbook"),
     "MATLAB": (b"MATLAB 5.0 MAT-file, Platform: GLNXA64", "a MATLAB file"),
     "MATLAB 7.3": (b"\x89HDF\r\n\x1a\n\x00", "MATLAB 7.3"),

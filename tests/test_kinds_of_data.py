@@ -104,6 +104,15 @@ LOGS = {
     "hh:mm or mm:ss": (joint("time", clocks(300, "{m:02}:{s:02}")), JOINT, '"time (mm:ss)"', None),
     "mm:ss": (joint("time (mm:ss)", clocks(300, "{m:02}:{s:02}")), JOINT,
               ("t", 300.0 + np.arange(N)), None),
+    "mm:ss of hours": (joint("time (mm:ss)", clocks(3500, "{mm:02}:{s:02}")), JOINT,
+                       ("t", 3500.0 + np.arange(N)), None),
+    **{f"a date as {template}": (
+        joint("time", clocks(300, template + " {h:02}:{m:02}:{s:02}")), JOINT, ("t", np.arange(N)),
+        "dates") for template in ("31.5.2026", "2026/05/31", "2026-05-31")},
+    "no date": (joint("time", clocks(300, "31.4.2026 {h:02}:{m:02}:{s:02}")), JOINT,
+                "allowed is a finite number or a date", None),
+    "dates beside numbers": (joint("time", [*dates(10**9)[1:], "119"]), JOINT,
+                             "has numbers beside", None),
     "summer time": (joint("time", SEASON), JOINT, "sort the rows, or cut", None),
     "100 ns": (joint("time", dates(100)), JOINT, ("t", 1e-7 * np.arange(N)), None),
     "a turn": (joint(speed="angle (deg)", read=np.degrees(ANGLE) % 360.0), TURNING, ("y", ANGLE),
@@ -113,6 +122,9 @@ LOGS = {
     "16 bits below zero": (
         joint(speed="speed (rpm)", read=np.round(3000 * np.sin(3 * T)).astype(int) % 65536), JOINT,
         ("y", np.round(3000 * np.sin(3 * T)) * np.pi / 30), "counted-on"),
+    "no 16 bits": (joint(speed="speed (rpm)", read=5000 * np.arange(N) % 55000), JOINT,
+                   ("y", np.pi / 30 * (5000 * np.arange(N) % 55000)), None),
+    "U/min": (joint(speed="speed_U/min", read=30.0 / np.pi * SPEED), JOINT, ("y", SPEED), None),
     "an error of a controller": (joint(error=0.1 + 0.0 * T), JOINT, ("y", SPEED),
                                  "error-not-used"),
     "a set point beside": (joint(**{"speed setpoint (rad/s)": SPEED + 1.0}), JOINT, ("y", SPEED),
@@ -317,11 +329,40 @@ def test_a_unit_is_known_to_every_door(unit, si, size):
 
 @pytest.mark.parametrize(
     ("unit", "si"),
-    [("Hz", "rad/s"), ("rpm", "Hz"), ("rad/s", "Hz"), ("cycle / s", "Hz"), ("MM", "m"), ("J", "N")],
+    [
+        ("Hz", "rad/s"),
+        ("rpm", "Hz"),
+        ("rad/s", "Hz"),
+        ("cycle / s", "Hz"),
+        ("MM", "m"),
+        ("Mm", "m"),
+        ("J", "N"),
+        ("delta_degC", "K"),
+    ],
 )
 def test_what_is_not_the_same_quantity_is_refused(unit, si):
     with pytest.raises(ScenarioError, match="allowed are numbers in"):
         Series(T, labelled(SPEED, unit), unit=si)
+
+
+def test_a_unit_may_be_one_over_another():
+    assert columns.split_unit("f / 1/s") == ("f", "1/s")
+    assert columns.split_unit("f / 1") == ("f / 1", None)
+
+
+@pytest.mark.parametrize("kind", ["M8[ns]", "m8[ns]", object])
+def test_dates_are_no_numbers_of_the_unit_of_their_heading(kind):
+    first = datetime.datetime(2026, 5, 1)
+    at = [first + datetime.timedelta(seconds=float(t)) for t in T]
+    if kind == "m8[ns]":
+        at = [each - first for each in at]
+    columns = {**joint(), "time (ms)": np.array(at, dtype=kind)}
+    del columns["t (s)"]
+    np.testing.assert_allclose(models.read_log(columns, JOINT).t, T, atol=1e-9)
+
+
+def test_truths_among_numbers_are_numbers():
+    assert Series(T, np.array([True, *SPEED[1:]], dtype=object)).y[0] == 1.0
 
 
 def test_an_input_may_carry_a_unit():

@@ -130,6 +130,185 @@ def test_the_command_takes_units_of_columns(units, said, tmp_path):
     assert said in done.stderr if said else json.loads(done.stdout)["verdict"] == "none"
 
 
+# Headings of a log, what is stated, the exit status, what is said of columns and what is needed.
+JOINED = "--model joint --set inertia=0.1"
+CURRENT = f"{JOINED} --set torque_constant=2"
+UNDERSTOOD = {
+    "all there": ("t (s),torque (N m),speed (deg/s)", JOINED, 0,
+                  ["t (s) time s 0 0, 0.02, 0.04 0 to 2.98", "torque (N m) input: torque N m 0 ",
+                   "speed (deg/s) reading: speed deg/s 0 0, 0.02, 0.04 0 to 2.98"], []),
+    "a constant": ("t (s),torque (N m),speed (rad/s)", "--model joint", 0, [],
+                   ["--set inertia=VALUE,ERROR (inertia, kg m^2)"]),
+    "units": ("t,torque,speed (rad/s)", JOINED, 2, ["t time 0 ", "torque input: torque 0 "],
+              ['--units "t=s,torque=N m"']),
+    "units that are stated": ("t,torque,speed", f"{JOINED} --units t=ms,torque=Nm,speed=rpm", 0,
+                              ["t time ms 0 ", "speed reading: speed rpm 0 "], []),
+    "a unit of no column": ("t (s),torque (N m),speed (rpm)", f"{JOINED} --units w=rpm", 2,
+                            ["speed (rpm) reading: speed rpm 0 "], []),
+    "an ambient": ("t (s),power (W),temp (degC)", "--model thermal --set capacity=9 --set loss=1",
+                   2, ["temp (degC) reading: temperature degC"],
+                   ["--set ambient=VALUE"]),
+    "a motor's current": ("t (s),current (A),speed (rad/s)", JOINED, 2,
+                          ["current (A) not used A 0"], ["--set torque_constant=VALUE,ERROR"]),
+    "a position": ("t (s),current_mA,position (counts)", CURRENT, 2,
+                   ["current_mA input: current mA 0", "position (counts) not used counts 0"],
+                   ["--set reads=angle"]),
+    "counts": ("t (s),motor_current_mA,position (counts)", f"{CURRENT} --set reads=angle", 2,
+               ["motor_current_mA input: current mA 0", "position (counts) not used counts 0"],
+               ['call one "angle (counts)"']),
+    "all at once": ("when,motor_current,position (deg)", CURRENT, 2, ["motor_current not used 0"],
+                    ['call one "t (s)"', "--set reads=angle", 'call one "current (A)"']),
+    "no model": ("t (s),torque (N m),speed (rad/s)", "", 0, ["torque (N m) not used N m 0"],
+                 ["--model NAME, such as joint, axis, pendulum, oscillator, thermal, servo"]),
+    "two of one name": ("t (s),speed,speed", JOINED, 2, ["t (s) time s"],
+                        ['columns "speed" and "speed" may both be speed: allowed is one',
+                         'call one "torque (N m)"', '--units "speed=rad/s"']),
+    "a wrong unit": ("t (kg),torque (N m),speed (rad/s)", JOINED, 2,
+                     ["t (kg) not used kg", "torque (N m) input: torque", "speed (rad/s) reading"],
+                     []),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", UNDERSTOOD)
+def test_read_prints_how_columns_are_understood_and_what_is_needed(case, tmp_path):
+    heads, options, status, columns, needed = UNDERSTOOD[case]
+    rows = [f"{k:.2f},{k:.2f},{k:.2f}" for k in T]
+    (tmp_path / "a.csv").write_text("\n".join([heads, *rows]) + "\n")
+    done = stickslip("read", "a.csv", *options.split(), cwd=tmp_path)
+    printed = done.stdout or done.stderr
+    lines = [" ".join(line.split()) for line in printed.splitlines()]
+    assert done.returncode == status, printed
+    assert "a.csv: 150 rows, from line 2 to 151" in lines
+    for column in columns:
+        assert any(line.startswith(column) for line in lines), (column, printed)
+    said = [line.removeprefix("needed: ") for line in lines if line.startswith("needed: ")]
+    assert len(said) == len(needed), printed
+    assert all(map(str.startswith, said, needed)), printed
+    if status:  # the refusal of a diagnosis is the same, with the reason on top
+        again = stickslip("diagnose", "a.csv", *options.split(), cwd=tmp_path)
+        assert (again.returncode, again.stderr) == (2, done.stderr)
+        assert lines[0].startswith("stickslip: a.csv: ")
+        assert not done.stdout
+
+
+def test_a_cell_that_is_no_number_is_counted_by_read(tmp_path):
+    speed = ["nan" if k == 3 else "1/2" if k in (5, 9) else f"{k}" for k in range(150)]
+    write(tmp_path / "a.csv", {"t (s)": T, "speed (rad/s)": speed, "torque (N m)": TORQUE})
+    done = stickslip("read", "a.csv", "--model", "joint", "--set", "inertia=1", cwd=tmp_path)
+    assert done.returncode == 2
+    assert 'line 7, column speed = "1/2": allowed is a finite number' in done.stderr.splitlines()[0]
+    assert re.search(
+        r"speed \(rad/s\) +reading: speed +rad/s +1, 2 no number +0, 1, 2 ", done.stderr
+    )
+
+
+# Headings of a joint that is driven by a current, which are not its names, and what to call them.
+CALLED = {
+    **dict.fromkeys(["motor_current_mA", "drive (mA)", "motor_current_mA,mode"], 1e-3),
+    "motor_current_kA": 1e3, "motor current uA": 1e-6,  # the only ones of their unit
+    "motor_current": 'call one "current (A)"', "motor_current_mV": "; allowed are",
+    "motor_current_mA,bus_current_A": 'call one "current (mA)" or "current (A)"',
+    "motor (V)": "; allowed are",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("heads", CALLED)
+def test_what_to_call_a_column_has_the_unit_that_its_heading_states(heads):
+    model = models.joint(inertia=1.0, torque_constant=1.0)
+    columns = {"t (s)": T, "speed (rad/s)": T, **dict.fromkeys(heads.split(","), T)}
+    if isinstance(CALLED[heads], float):
+        assert models.read_log(columns, model)["current"] == pytest.approx(CALLED[heads] * T)
+        return
+    with pytest.raises(ScenarioError, match=re.escape(CALLED[heads])) as error:
+        models.read_log(columns, model)
+    assert ("call one" in str(error.value)) == CALLED[heads].startswith("call")
+    # What was called so is read in that unit.
+    name = CALLED[heads].partition('"')[2].partition('"')[0]
+    if "," not in heads and name:
+        columns[name] = columns.pop(heads)
+        size = {"k": 1e3, "m": 1e-3, "u": 1e-6}.get(name[-3], 1.0)
+        assert models.read_log(columns, model)["current"] == pytest.approx(size * T)
+
+
+@pytest.mark.parametrize(
+    ("read", "call"),
+    [("actual_speed_rpm", '"speed (rpm)"'), ("actual speed", '"speed (rad/s)"'),
+     ("actual speed (deg/s)", '"speed (rpm)" or "speed (deg/s)"')],
+)  # fmt: skip
+def test_one_of_two_of_a_name_is_to_be_called_so_in_its_unit(read, call):
+    columns = {"t (s)": T, "torque (N m)": TORQUE, read: T}
+    columns["speed (rpm)" if "rpm" in call else "speed"] = T
+    assert f"call the one to be used {call}, and the other" in refusal(columns, None)
+
+
+def test_an_input_that_is_not_known_is_to_be_called_so():
+    columns = {"t (s)": T, "displacement (m)": T, "push": T}
+    log = models.read_log(columns, models.oscillator(mass=1.0, stiffness=1.0))
+    said = [str(note) for note in log.own_notes]
+    assert 'If "push" is the force, call it "force (N)".' in said
+
+
+def test_a_log_that_is_understood_is_kept_as_a_recipe(tmp_path):
+    y = JOINT.simulate(T, {"torque": TORQUE}, viscous=0.2)
+    (tmp_path / "data").mkdir()
+    write(tmp_path / "data" / "a.csv", {"t (s)": T, "torque_Nm": TORQUE, "speed": np.degrees(y)})
+    known = ["--set", "inertia=0.1,0.001", "--set", "viscous=0.1:0.3", "--set", "without=load,zero",
+             "--set", "coulomb=0", "--set", "smooth=false"]  # fmt: skip
+    given = ["data/a.csv", "--model", "joint", *known]
+    lacking = stickslip("read", *given, "--write", "joint.toml", cwd=tmp_path)
+    assert lacking.returncode == 2
+    given += ["--units", "speed=deg/s"]
+    done = stickslip("read", *given, "--write", "joint.toml", cwd=tmp_path)
+    assert done.stdout.endswith("wrote joint.toml\n")
+    again = stickslip("read", "joint.toml", "--write", "joint.toml", cwd=tmp_path)
+    assert "joint.toml already exists" in again.stderr
+    again = stickslip("read", "joint.toml", "--write", "again.toml", cwd=tmp_path)
+    assert again.stdout == done.stdout.replace("joint.toml", "again.toml")
+    assert (tmp_path / "again.toml").read_text() == (tmp_path / "joint.toml").read_text()
+    (tmp_path / "elsewhere").mkdir()
+    kept = stickslip("diagnose", "../joint.toml", "--json", cwd=tmp_path / "elsewhere")
+    assert kept.stdout == stickslip("diagnose", *given, "--json", cwd=tmp_path).stdout
+    assert json.loads(kept.stdout)["verdict"] == "none"
+    text = (tmp_path / "joint.toml").read_text()
+    for change, said in (
+        (("\nset", "\nsets"), 'wrong.toml: there is no sets; did you mean "set"'),
+        (('model = "joint"', ""), "wrong.toml: allowed is stickslip_log = 1, with a log and a"),
+        (('"joint"', "3"), "wrong.toml: model = 3: allowed is a str"),
+        (("0.001", "a"), "joint: inertia"), (("_log = 1", "_log = 2"), "allowed is stickslip_log"),
+        (("load,zero", "lod"), "joint: without = lod: allowed is one of"),
+    ):  # fmt: skip
+        (tmp_path / "wrong.toml").write_text(text.replace(*change))
+        wrong = stickslip("diagnose", "wrong.toml", cwd=tmp_path)
+        assert (wrong.returncode, said in wrong.stderr) == (2, True), wrong.stderr
+    for more, said in (
+        (["--set", "coulomb=1"], "coulomb is there twice"), (["--model", "axis"], "--model"),
+        (["--against", "wrong.toml"], "without is there twice"), (["none.csv"], "none.csv: cannot"),
+    ):  # fmt: skip
+        wrong = stickslip("diagnose", "joint.toml", *more, cwd=tmp_path)
+        assert (wrong.returncode, said in wrong.stderr) == (2, True), wrong.stderr
+    # What a recipe does not state may be; two of one model are two logs.
+    z = JOINT.simulate(T, {"torque": 2.0 * TORQUE}, viscous=0.2)
+    columns = {"t (s)": T, "torque_Nm": 2.0 * TORQUE, "speed": np.degrees(z)}
+    write(tmp_path / "data" / "b.csv", columns)
+    (tmp_path / "more.toml").write_text(text.replace("a.csv", "b.csv"))
+    both = ["joint.toml", "more.toml", "--set", "asymmetry=0", "--json"]
+    assert json.loads(stickslip("diagnose", *both, cwd=tmp_path).stdout)["verdict"] == "none"
+
+
+def test_a_recipe_names_a_model_of_a_file_and_a_folder_of_any_name(tmp_path):
+    folder = tmp_path / 'a "b" ω'
+    folder.mkdir()
+    lines = ["from stickslip import models", "steel = models.joint(inertia=0.1)"]
+    (folder / "m.py").write_text("\n".join(lines))
+    y = JOINT.simulate(T, {"torque": TORQUE})
+    write(folder / "a.csv", {"t (s)": T, "torque (N m)": TORQUE, "speed (rad/s)": y})
+    given = [f"{folder.name}/a.csv", "--model", f"{folder.name}/m.py:steel"]
+    done = stickslip("read", *given, "--write", f"{folder.name}/r.toml", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    done = stickslip("diagnose", f"{folder.name}/r.toml", "--json", cwd=tmp_path)
+    assert json.loads(done.stdout)["verdict"] == "none"
+
+
 def test_lines_above_the_names_are_skipped_and_counted(tmp_path):
     write(tmp_path / "a.csv", {"Time (s)": T, "Speed (rpm)": T, "TORQUE (Nm)": T})
     above = "Device: DAQ 7\nDate: 2026-05-01\n\n" + (tmp_path / "a.csv").read_text()

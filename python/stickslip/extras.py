@@ -18,13 +18,14 @@ EXTRAS = {
     "optimise": ("scipy", "pandas", "matplotlib"),
     "gym": ("gymnasium",),
     "dask": ("distributed",),
+    "excel": ("pandas", "openpyxl"),
 }
 """The modules of each extra of pyproject.toml."""
 
 _DIAGNOSIS = (
     *("Cause", "Diagnosis", "Measurement", "Parameter", "Table", "diagnose", "propose_experiments"),
     *("Series", "diagnose_model", "events", "free_law", "instruments", "models"),
-    *("diagnose_change", "read_measurement"),
+    *("diagnose_change", "read", "read_measurement"),
 )
 _NEEDED = {
     "Optimum": "optimise",

@@ -11,9 +11,10 @@ import functools
 import math
 import numbers as kinds_of_numbers
 import os
+import re
 from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
 from decimal import Decimal
-from typing import Any, NamedTuple, NoReturn
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip._util.messages import check_whole, refuse, shown, suggestion
 from stickslip._util.note import Note
 from stickslip._util.text import is_number
-from stickslip._util.units import quantity_of, ratio, to_si, without_delta, zero_of
+from stickslip._util.units import per_si, si_of, zero_of
 from stickslip.errors import ScenarioError
 
 Array = NDArray[np.float64]
@@ -43,6 +44,11 @@ _ROUNDED, _LAST_PLACES = 1e-13, 4
 Chosen: what sums and products leave."""
 
 
+def to_si(values: Array, per: float) -> Array:
+    """Numbers in SI units; by an exact power of ten where there is one, so rounded once."""
+    return values if per == 1.0 else values / per if per >= 1.0 else values * (1.0 / per)
+
+
 def representatives(values: Iterable[float], kept: Collection[float] = ()) -> dict[float, float]:
     """A representative of each value of a column: one number for all that are the same setting.
 
@@ -55,8 +61,8 @@ def representatives(values: Iterable[float], kept: Collection[float] = ()) -> di
     if not ordered:
         return {}
     spread = ordered[-1] - ordered[0]
-    last_places = _LAST_PLACES * math.ulp(max(abs(ordered[0]), abs(ordered[-1])))
-    rounding = max(_ROUNDED * spread, last_places)
+    largest = max(abs(ordered[0]), abs(ordered[-1]))
+    rounding = max(_ROUNDED * spread, _LAST_PLACES * math.ulp(largest))
     groups: list[list[float]] = []
     for value in ordered:
         within = max(RELATIVE * min(spread, abs(value)), rounding)
@@ -96,8 +102,11 @@ _NUMBER, _TRUTH, _TEXT, _DATE, _DURATION = "number", "truth", "text", "date", "d
 _KINDS = {"b": _TRUTH, "i": _NUMBER, "u": _NUMBER, "f": _NUMBER, "U": _TEXT, "M": _DATE,
           "m": _DURATION}  # fmt: skip
 """Kinds of values by the kind of a dtype; an array of objects is asked one by one."""
+_CLASSES = {_TRUTH: bool | np.bool_, _TEXT: str, _DATE: datetime.date | np.datetime64,
+            _DURATION: datetime.timedelta | np.timedelta64}  # fmt: skip
 
 _FINITE = "finite numbers"
+_DIFFERENCE = re.compile(r"^(?:delta[_ ]|Δ|∆)")
 
 
 def numbers(
@@ -138,26 +147,24 @@ def numbers(
         be converted.
     """
     plain, carried = without_unit(values)
-    change = None if carried is None else conversion(what, carried, unit or "-", differences)
     given, missing = _elements(what, plain, allowed)
-    if change is not None and given.dtype.kind == "b":
-        # Some libraries keep the unit of what was compared.
-        refuse(what, given, f"{allowed}: true and false have no unit")
     array = _as_floats(what, given, missing, allowed)
-    if change is not None:
-        array = change(array)
-    if missing.any() and not gaps:
-        first = given[tuple(np.argwhere(missing)[0])]
-        refuse(_at(what, missing), first if _is_gap(first) else np.nan, allowed)
-    wrong = ~np.isfinite(array) & ~missing
-    if finite and wrong.any():
-        _refuse_element(what, given, wrong, allowed)
+    if carried is not None:
+        _, per, zero = conversion(what, carried, unit or "-", differences)
+        if given.dtype.kind == "b":  # Some libraries keep the unit of what was compared.
+            refuse(what, given, f"{allowed}: true and false have no unit")
+        array = np.asarray(to_si(array, per) + zero)
+    if not gaps:
+        hidden = np.ma.isMaskedArray(plain)
+        _refuse_any(what, np.full(given.shape, np.nan) if hidden else given, missing, allowed)
+    if finite:
+        _refuse_any(what, given, ~np.isfinite(array) & ~missing, allowed)
     return locked(array)
 
 
 def in_columns(
     what: str,
-    values: object,
+    values: Any,
     names: Sequence[str],
     allowed: str = _FINITE,
     *,
@@ -171,9 +178,11 @@ def in_columns(
 
     `absent` is the value of a column that is not there; without it, all have to be.
     """
-    given = _named_columns(what, values)
+    is_row = hasattr(values, "index") and not hasattr(values, "columns")
+    given = (_by_name(what, values, list(values.index)) if is_row and _is_of(values, "pandas")
+             else columns_of(what, values))  # fmt: skip
     checked = functools.partial(numbers, allowed=allowed, unit=unit, gaps=gaps, finite=finite)
-    if given is None:
+    if given is None or not all(isinstance(name, str) for name in given):
         array = checked(what, values)
     else:
         for name in given:
@@ -196,16 +205,6 @@ def in_columns(
         text = f"allowed is shape {shape}, {', '.join(names)}: {allowed}"
         raise ScenarioError(f"{what} of shape {array.shape}: {text}")
     return array
-
-
-def _named_columns(what: str, values: Any) -> dict[Any, Any] | None:
-    """Columns, or the numbers of a pandas Series, by their names; None where these are no texts."""
-    is_row = hasattr(values, "index") and not hasattr(values, "columns")
-    names = list(values.index) if is_row and _is_of(values, "pandas") else []
-    if names and all(isinstance(name, str) for name in names):
-        return _by_name(what, values, names)
-    given = columns_of(what, values)
-    return given if given is not None and all(isinstance(name, str) for name in given) else None
 
 
 def flat(array: Elements) -> Elements:
@@ -238,7 +237,6 @@ def column(what: str, values: object, count: int) -> tuple[Elements, Mask]:
     """
     allowed = "numbers or texts"
     plain, carried = without_unit(values)
-    change = None if carried is None else conversion(what, carried, None)
     given, missing = map(flat, _elements(what, plain, allowed))
     if given.shape != (count,):
         raise ScenarioError(f"{what}: allowed are {count} rows, one for each reading")
@@ -248,11 +246,8 @@ def column(what: str, values: object, count: int) -> tuple[Elements, Mask]:
         return locked(np.array(words)), missing
     if kind == _TRUTH:
         return locked(np.where(missing, False, given).astype(bool)), missing
-    array = _as_floats(what, given, missing, allowed)
-    wrong = ~np.isfinite(array) & ~missing
-    if wrong.any():
-        _refuse_element(what, given, wrong, allowed)
-    return locked(array if change is None else change(array)), missing
+    si = None if carried is None else si_of(carried)
+    return flat(numbers(what, values, allowed, unit=si, gaps=True)), missing
 
 
 def labels(what: str, values: object, count: int) -> Indices:
@@ -262,12 +257,10 @@ def labels(what: str, values: object, count: int) -> Indices:
         raise ScenarioError(f"{what}: allowed is one for each of {count} readings")
     plain = given.tolist()
     texts = any(isinstance(value, str) for value in plain)
-    keys: list[Hashable] = [
-        (k,) if gap else str(value) if texts else value
-        for k, (value, gap) in enumerate(zip(plain, missing.tolist(), strict=True))
-    ]
-    places = {key: k for k, key in enumerate(dict.fromkeys(keys))}
-    return np.array([places[key] for key in keys], dtype=np.int64)
+    gaps = enumerate(zip(plain, missing.tolist(), strict=True))
+    keys = [(k,) if gap else str(one) if texts else one for k, (one, gap) in gaps]
+    places = dict[Hashable, int]()
+    return np.array([places.setdefault(key, len(places)) for key in keys], dtype=np.int64)
 
 
 def columns_of(what: str, table: Any) -> dict[Any, Any] | None:
@@ -310,19 +303,9 @@ def _is_of(values: object, *libraries: str) -> bool:
     return type(values).__module__.partition(".")[0] in libraries
 
 
-def states_unit(values: object) -> bool:
-    """Whether values carry a unit, or are dates or durations."""
-    plain, carried = without_unit(values)
-    if carried is not None:
-        return True
-    given = np.asarray(plain)
-    first = next(iter(given.flat), None) if given.dtype.kind == "O" else None
-    return given.dtype.kind in "mM" or _kind_of(first) in (_DATE, _DURATION)
-
-
-def unit_carried(values: Any) -> str | None:
-    """The unit that values carry, as text; None of plain numbers."""
-    return without_unit(values)[1]
+def are_times(values: object) -> bool:
+    """Whether values are dates or durations."""
+    return _kind_of(next(iter(np.asarray(values).flat), None)) in (_DATE, _DURATION)
 
 
 def conversions(at: str, given: Mapping[str, tuple[Any, str | None]]) -> list[Note]:
@@ -332,10 +315,11 @@ def conversions(at: str, given: Mapping[str, tuple[Any, str | None]]) -> list[No
     """
     made = {}
     for name, (values, unit) in given.items():
-        carried = None if values is None else unit_carried(values)
-        change = carried is not None and conversion(name, carried, unit, name == "sd")
-        if change and change.changes:
-            made[name] = str(change)
+        carried = without_unit(values)[1]
+        if carried is not None:
+            wanted, *change = conversion(name, carried, unit, name == "sd")
+            if change != [1.0, 0.0]:
+                made[name] = f"from {carried} to {wanted or 'no unit'}"
     return converted(at, made)
 
 
@@ -379,52 +363,30 @@ def without_unit(values: Any) -> tuple[Any, str | None]:
     return plain, carried
 
 
-class Conversion(NamedTuple):
-    """How numbers in one unit become those in another: ``(number + zero) / per - wanted_zero``."""
+def conversion(
+    what: str, carried: str, unit: str | None, differences: bool = False
+) -> tuple[str, float, float]:
+    """A wanted unit, how many of the carried one are one of it, and what is added to the quotient.
 
-    unit: str
-    wanted: str
-    per: float = 1.0
-    zero: float = 0.0
-    wanted_zero: float = 0.0
-
-    def __call__(self, array: Array) -> Array:
-        if not self.changes:
-            return array
-        return np.asarray(to_si(array, self.per) + (self.zero - self.wanted_zero))
-
-    def __str__(self) -> str:
-        return f"from {self.unit} to {self.wanted or 'no unit'}"
-
-    @property
-    def changes(self) -> bool:
-        """Whether any number changes."""
-        return self.per != 1.0 or self.zero != self.wanted_zero
-
-
-def conversion(what: str, carried: str, unit: str | None, differences: bool = False) -> Conversion:
-    """From a unit that values carry to a wanted one; a ScenarioError if that cannot be.
-
-    None is any: the SI unit. Of `differences`, ``degC`` and ``K`` are the same.
+    A ScenarioError says that it cannot be. None is any: the SI unit. Of `differences`, ``degC`` and
+    ``K`` are the same.
     """
-    wanted = (quantity_of(carried) or carried) if unit is None else unit
+    wanted = si_of(carried) if unit is None else unit
     wanted = "" if wanted in ("-", "1") else wanted
-    of = without_delta(carried)
+    one = _DIFFERENCE.sub("", carried)
     allowed = f"numbers in {wanted}" if wanted else "numbers without a unit"
     refusal = f"{what} is in {carried}: allowed are {allowed}"
-    if of is not None and not differences:
+    if one != carried and not differences:
         raise ScenarioError(f"{refusal}; {carried} is a unit of differences")
-    one = carried if of is None else of
     try:
         if one == wanted or (wanted == "rad" and one in ("", "1", "dimensionless")):
-            return Conversion(carried, wanted)
-        per = ratio(one, wanted or "-")
+            return wanted, 1.0, 0.0
+        si = si_of(wanted or "-")
+        zero = 0.0 if differences else zero_of(one) - zero_of(wanted)
+        return wanted, per_si(one, si) / per_si(wanted or "-", si), zero
     except ValueError as error:
         hint = "".join(str(error).partition("; Hz")[1:])
         raise ScenarioError(f"{refusal}{hint}") from None
-    if differences:
-        return Conversion(carried, wanted, per)
-    return Conversion(carried, wanted, per, zero_of(one), zero_of(wanted))
 
 
 def _elements(what: str, values: Any, allowed: str) -> tuple[Elements, Mask]:
@@ -452,15 +414,9 @@ def _is_gap(value: Any) -> bool:
 
 def _kind_of(value: Any) -> str | None:
     """Kind of an object; None of one that has no place here, such as a complex number."""
-    if isinstance(value, bool | np.bool_):
-        return _TRUTH
     if is_number(value) or isinstance(value, Decimal):
         return _NUMBER
-    if isinstance(value, str):
-        return _TEXT
-    if isinstance(value, datetime.date | np.datetime64):
-        return _DATE
-    return _DURATION if isinstance(value, datetime.timedelta | np.timedelta64) else None
+    return next((kind for kind, classes in _CLASSES.items() if isinstance(value, classes)), None)
 
 
 def _kind_of_all(what: str, given: Elements, missing: Mask, allowed: str) -> str:
@@ -475,8 +431,7 @@ def _kind_of_all(what: str, given: Elements, missing: Mask, allowed: str) -> str
     wrong = np.zeros(given.shape, dtype=bool)
     usual = next((kind for kind in kinds if kind != _TEXT), _TEXT)
     wrong[~missing] = [kind is None or kind != usual for kind in kinds]
-    if wrong.any():
-        _refuse_element(what, given, wrong, allowed)
+    _refuse_any(what, given, wrong, allowed)
     return kinds[0] or _NUMBER if kinds else _NUMBER
 
 
@@ -500,7 +455,7 @@ def _as_floats(what: str, given: Elements, missing: Mask, allowed: str) -> Array
             except (TypeError, ValueError, OverflowError):
                 wrong = np.zeros(given.shape, dtype=bool)
                 wrong[index] = True
-                _refuse_element(what, given, wrong, allowed)
+                _refuse_any(what, given, wrong, allowed)
     return result
 
 
@@ -508,12 +463,14 @@ def _seconds(what: str, given: Elements, kind: str, allowed: str) -> Array:
     """Durations, or dates from the earliest one, s, shape (n,)."""
     try:
         if given.dtype.kind == "O":
-            exact = [_in_utc(value) for value in given]
+            zoned = [getattr(value, "tzinfo", None) is not None for value in given]
+            exact = [value.astimezone(datetime.timezone.utc).replace(tzinfo=None) if zone else value
+                     for value, zone in zip(given, zoned, strict=True)]  # fmt: skip
             given = np.array(exact, dtype="M8[us]" if kind == _DATE else "m8[us]")
         if kind == _DATE:
-            unit = "D" if np.datetime_data(given.dtype)[0] in "YM" else None
-            given = given.astype(f"M8[{unit}]") if unit else given
-            given = given - given.min() if len(given) else given - given
+            if np.datetime_data(given.dtype)[0] in "YM":
+                given = given.astype("M8[D]")
+            given = given - (given.min() if len(given) else given)
         if np.datetime_data(given.dtype)[0] == "generic":  # NumPy takes them for seconds.
             raise ValueError
         return np.asarray(given / np.timedelta64(1, "s"), dtype=np.float64)
@@ -521,23 +478,12 @@ def _seconds(what: str, given: Elements, kind: str, allowed: str) -> Array:
         refuse(what, given, allowed)
 
 
-def _in_utc(value: Any) -> Any:
-    """A date with a time zone as one of UTC without; others as they are."""
-    if getattr(value, "tzinfo", None) is None:
-        return value
-    return value.astimezone(datetime.timezone.utc).replace(tzinfo=None)
-
-
-def _refuse_element(what: str, given: Elements, wrong: Mask, allowed: str) -> NoReturn:
-    """Refuse the first of the wrong elements."""
-    refuse(_at(what, wrong), given[tuple(np.argwhere(wrong)[0])], allowed)
-
-
-def _at(what: str, wrong: Mask) -> str:
-    """The name of the first of the wrong elements."""
-    index = np.argwhere(wrong)[0].tolist()
-    where = f": row {index[0]}" if len(index) == 1 else f"{index}" if index else ""
-    return f"{what}{where}"
+def _refuse_any(what: str, given: Elements, wrong: Mask, allowed: str) -> None:
+    """Refuse the first of the wrong elements, if there are any."""
+    if wrong.any():
+        index = np.argwhere(wrong)[0].tolist()
+        where = f": row {index[0]}" if len(index) == 1 else f"{index}" if index else ""
+        refuse(f"{what}{where}", given[tuple(index)], allowed)
 
 
 def locked(array: Elements) -> Elements:

@@ -1,4 +1,4 @@
-"""Cells of CSV files: the header, and the rows below it in blocks."""
+"""Cells of CSV files: the header, and the rows below it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import math
 import re
 import textwrap
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from typing import NamedTuple
 
 from stickslip._util.units import is_unit, split_unit
 from stickslip.errors import ScenarioError
@@ -18,14 +17,8 @@ from stickslip.errors import ScenarioError
 INSTRUMENTS_PAGE = "examples/read_instruments.py"
 """The page on tables from other programs."""
 
-DECIMAL_COMMAS = (
-    "if these are decimal commas, separate the columns by semicolons or write decimal points; "
-    "else every column needs a name"
-)
-"""Advice for a row with more cells than the header, between commas."""
-
 _OTHER_FORMATS = {
-    b"PK\x03\x04": "an Excel workbook (.xlsx), a NumPy archive (.npz) or another ZIP archive",
+    b"PK\x03\x04": "a NumPy archive (.npz), a damaged workbook or another ZIP archive",
     b"\xd0\xcf\x11\xe0": "an Excel workbook (.xls)",
     b"MATLAB 5.0": "a MATLAB file (.mat)",
     b"\x89HDF": "an HDF5 file, such as a MATLAB 7.3 file (.mat) or netCDF",
@@ -115,35 +108,20 @@ def text_lines(data: bytes) -> Iterator[str]:
             raise ScenarioError(f"is {name}, not CSV; export it as CSV, see {INSTRUMENTS_PAGE}")
     try:
         data.decode("utf-8")
-        wrong, what = data.find(b"\0"), "NUL"
+        at, what = data.find(b"\0"), "NUL"
     except UnicodeDecodeError as error:
-        wrong, what = error.start, "not UTF-8"
-    if wrong >= 0:
-        wide = " (UTF-16 without its mark?)" if what == "NUL" and wrong < 2 else ""
-        message = f"is not text: byte {wrong + 1} is {what}{wide}"
-        raise ScenarioError(f"{message}; save it as CSV in UTF-8")
+        at, what = error.start, "not UTF-8"
+    if at >= 0:
+        wide = " (UTF-16 without its mark?)" if what == "NUL" and at < 2 else ""
+        raise ScenarioError(f"is not text: byte {at + 1} is {what}{wide}; save it as CSV in UTF-8")
     # Lines as they are wanted: all of them together would take ten times the room of the bytes.
     with io.TextIOWrapper(io.BytesIO(data), encoding="utf-8-sig") as file:
         for line in file:
             yield line.rstrip("\n")
 
 
-_BLOCK = 1 << 12  # lines; chosen: few enough for the room of their cells
-
-
-class Block(NamedTuple):
-    """Rows below a header: their lines, their cells by column, and which have too many or few.
-
-    `ragged` has the number of cells of these by row of the block; their cells are empty here.
-    """
-
-    lines: Sequence[int]
-    columns: Sequence[Sequence[str]]
-    ragged: dict[int, int]
-
-
 class CsvTable:
-    """The header of a CSV file and, by `blocks`, the rows below it.
+    """The header of a CSV file and, by `rows`, what is below it.
 
     Commas, semicolons or tabs separate cells; a first line ``sep=;`` says which. The header is that
     of fifty lines which names the most of `columns`, else the last one above rows of as many
@@ -166,7 +144,7 @@ class CsvTable:
     above : int
         Lines above the header that are no comments.
     comments, beyond : int
-        Comments below the header, and empty columns beyond it, as far as `blocks` has come.
+        Comments below the header, and empty columns beyond it, as far as `rows` has come.
 
     Raises
     ------
@@ -184,8 +162,7 @@ class CsvTable:
         self._decimals = False
         self._rows: Iterator[tuple[int, list[str]]] = iter(())
         lines = enumerate(text_lines(data), start=1)
-        comments = []
-        stated = None
+        comments, stated = [], None
         for at, line in lines:
             if at == 1 and (stated := _SEPARATOR_LINE.fullmatch(line)):
                 continue
@@ -195,10 +172,13 @@ class CsvTable:
                 break
         else:
             return
-        (at, line), below = self._past_preamble((at, line), lines, columns, stated and stated[1])
-        is_row = any(map(_is_number, self._cells(line)))
-        above = self._take_header(comments, columns, line) if is_row else []
-        self._rows = self._parsed(itertools.chain(above, [(at, line)], below))
+        near = [(at, line), *itertools.islice(lines, _PREAMBLE)]
+        k = self._place_of_names([line for _, line in near], columns, stated and stated[1])
+        self.separator = stated[1] if stated else _separator_of(near[k][1])
+        self.above = sum(bool(line.strip()) for _, line in near[:k])
+        is_row = any(map(_is_number, self._cells(near[k][1])))
+        above = self._take_header(comments, columns, near[k][1]) if is_row else []
+        self._rows = self._parsed(itertools.chain(above, near[k:], lines))
         if not self.line:
             self.line, self.header = next(self._rows)
         if len(self.header) <= MOST_COLUMNS:  # else it is refused, see `columns`
@@ -211,46 +191,33 @@ class CsvTable:
                 '(numpy.savetxt with delimiter=",")'
             )
 
-    def _past_preamble(
-        self,
-        first: tuple[int, str],
-        lines: Iterator[tuple[int, str]],
-        columns: Collection[str],
-        separator: str | None,
-    ) -> tuple[tuple[int, str], Iterator[tuple[int, str]]]:
-        """The first line, or the one of names below others, as loggers write; and those below."""
+    def _place_of_names(
+        self, lines: list[str], columns: Collection[str], separator: str | None
+    ) -> int:
+        """Place of the line of names, which may be below others, as loggers write."""
         known = {name.casefold() for name in columns}
-        near, best = [first, *itertools.islice(lines, _PREAMBLE)], (0, 0, 0)
-        for k, (_, line) in enumerate(near):
+        best = (0, 0, 0)
+        for k, line in enumerate(lines):
             self.separator = separator or _separator_of(line)
             cells = [] if line.lstrip().startswith("#") else self._cells(line)
             named = sum(split_unit(cell)[0].casefold() in known for cell in cells[:MOST_COLUMNS])
             if named and (k == 0 or (len(cells) > 1 and not any(map(_is_number, cells)))):
                 best = max(best, (named, len(cells), -k))
         if best[0]:
-            self.separator = separator or _separator_of(near[-best[2]][1])
-            return self._from(near, -best[2], lines)
-        self.separator = separator or _separator_of(near[-1][1])
-        rows = [(k, self._cells(line)) for k, (_, line) in enumerate(near) if line.strip()]
-        width = len(rows[-1][1])
+            return -best[2]
+        rows = [(k, self._cells(line)) for k, line in enumerate(lines) if line.strip()]
+        last, width = rows[-1][0], len(rows[-1][1])
         above = itertools.dropwhile(lambda row: any(map(_is_number, row[1])), reversed(rows))
         names = [(k, cells) for k, cells in itertools.islice(above, 2)
                  if len(cells) == width > 1]  # fmt: skip
+        if not names or names[0][0] == last or any(map(_is_number, names[0][1])):
+            return 0
         # Names below as many numbers are of a logger that began anew: the first names count.
-        names = [] if any(len(cells) == width and all(map(_is_number, cells))
-                          for k, cells in rows if names and k < names[0][0]) else names  # fmt: skip
-        if names and names[0][0] != rows[-1][0] and not any(map(_is_number, names[0][1])):
-            units = len(names) > 1 and any(map(is_unit, self._bare_units(names[0][1])))
-            return self._from(near, names[units][0], lines)
-        self.separator = separator or _separator_of(first[1])
-        return first, itertools.chain(near[1:], lines)
-
-    def _from(
-        self, near: list[tuple[int, str]], k: int, lines: Iterator[tuple[int, str]]
-    ) -> tuple[tuple[int, str], Iterator[tuple[int, str]]]:
-        """A line below others, and the lines below it."""
-        self.above = sum(bool(text.strip()) for _, text in near[:k])
-        return near[k], itertools.chain(near[k + 1 :], lines)
+        if any(len(cells) == width and all(map(_is_number, cells))
+               for k, cells in rows if k < names[0][0]):  # fmt: skip
+            return 0
+        units = len(names) > 1 and any(map(is_unit, self._bare_units(names[0][1])))
+        return names[units][0]
 
     @staticmethod
     def _bare_units(cells: list[str]) -> list[str]:
@@ -261,11 +228,12 @@ class CsvTable:
         self, comments: list[tuple[int, str]], columns: Collection[str], first: str
     ) -> list[tuple[int, str]]:
         """Make the last comment that names columns of the first row the header; those below it."""
-        count = len(named_cells(self._cells(first)))
+        ends = f"{self.separator} "
+        count = len(self._cells(first.rstrip(ends)))
         spelled = {name.casefold() for name in columns}
         for k in reversed(range(len(comments))):
             at, line = comments[k]
-            names = named_cells(self._cells(line.lstrip().lstrip("#")))
+            names = self._cells(line.lstrip().lstrip("#").rstrip(ends))
             known = any(split_unit(name)[0].casefold() in spelled for name in names)
             if known and len(names) == count and not any(map(_is_number, names)):
                 self.line, self.header = at, names
@@ -274,10 +242,8 @@ class CsvTable:
 
     def _take_units(self) -> None:
         """Join a row of units below the names with them."""
-        below = next(self._rows, None)
-        if below is None:
-            return
-        units = self._bare_units(below[1])
+        below = list(itertools.islice(self._rows, 2))
+        units = self._bare_units(below[0][1]) if below else []
         if any(map(is_unit, units)) and not any(each != "1" and _is_number(each) for each in units):
             pairs = itertools.zip_longest(self.header, units, fillvalue="")
             self.header = [
@@ -285,60 +251,49 @@ class CsvTable:
                 for name, unit in pairs
             ]
             # Below them such a logger says how each was made: Smp, Avg.
-            below = next(self._rows, None) if "TS" in below[1] else None
-            if below and not any(map(_is_number, below[1])):
-                below = None
-        if below is not None:
-            self._rows = itertools.chain([below], self._rows)
+            made = "TS" in below[0][1] and not any(map(_is_number, below[-1][1]))
+            below = below[2 if made else 1 :]
+        self._rows = itertools.chain(below, self._rows)
 
-    def blocks(self) -> Iterator[Block]:
-        """All rows that have a cell.
+    def rows(self) -> Iterator[tuple[int, list[str], int]]:
+        """Line, cells and 0 of each row that has a cell, or how many, if too many or too few.
 
-        A line that begins with # is a row if it has as many cells as the header, else a comment.
+        Their cells are empty here. A line that begins with # is a row if it has as many cells as
+        the header, else a comment.
         """
         width = len(self.header)
-        while some := list(itertools.islice(self._rows, _BLOCK)):
-            lines, cells, ragged = list[int](), list[list[str]](), dict[int, int]()
-            for at, row in some:
-                if not any(row):
-                    continue
-                fitted = self._fitted(row)
-                if len(fitted) != width:
-                    ragged[len(lines)], fitted = len(fitted), [""] * width
-                lines.append(at)
-                cells.append(fitted)
-            yield Block(lines, list(zip(*cells, strict=True)) or [()] * width, ragged)
+        for at, row in self._rows:
+            if any(row):
+                fits = len(fitted := self._fitted(row)) == width
+                yield at, fitted if fits else [""] * width, 0 if fits else len(fitted)
 
-    def pointed(self, block: Block, column: int) -> Sequence[str]:
-        """The cells of numbers of a column with decimal points, as by `with_point`."""
-        cells = block.columns[column]
-        if self.separator == ",":
-            return cells
-        pairs = zip(block.lines, cells, strict=True)
-        return [self.with_point(line, column, cell) for line, cell in pairs]
-
-    def with_point(self, line: int, column: int, cell: str) -> str:
-        """A cell of numbers whose decimal comma, if it has one, is a decimal point.
+    def pointed(self, column: int, lines: Sequence[int], given: Sequence[str]) -> Sequence[str]:
+        """The cells of numbers of a column, whose decimal commas are decimal points.
 
         A ScenarioError if an earlier cell has the other one: either may separate thousands.
         """
-        decimal = None if self.separator == "," else _DECIMAL.fullmatch(cell)
-        if decimal is None:
-            if cell.isdigit():
-                self._bare.setdefault(column, (line, cell))
-            return cell
-        if _THOUSANDS.fullmatch(cell):
-            self._thousands.setdefault(column, (line, cell))
-        else:
-            self._decimals = True
-        mark, other, at = self._mark = self._mark or (decimal[1], cell, line)
-        if mark != decimal[1]:
-            raise ScenarioError(
-                f'line {line}: "{cell}" has a decimal {_MARKS[decimal[1]]} and "{other}" in line '
-                f"{at} a decimal {_MARKS[mark]}; allowed is one of them, and no separators of "
-                "thousands"
-            )
-        return cell.replace(",", ".")
+        if self.separator == ",":
+            return given
+        cells = list(given)
+        for k, (line, cell) in enumerate(zip(lines, given, strict=True)):
+            decimal = _DECIMAL.fullmatch(cell)
+            if decimal is None:
+                if cell.isdigit():
+                    self._bare.setdefault(column, (line, cell))
+                continue
+            if _THOUSANDS.fullmatch(cell):
+                self._thousands.setdefault(column, (line, cell))
+            else:
+                self._decimals = True
+            mark, other, at = self._mark = self._mark or (decimal[1], cell, line)
+            if mark != decimal[1]:
+                raise ScenarioError(
+                    f'line {line}: "{cell}" has a decimal {_MARKS[decimal[1]]} and "{other}" in '
+                    f"line {at} a decimal {_MARKS[mark]}; allowed is one of them, and no "
+                    "separators of thousands"
+                )
+            cells[k] = cell.replace(",", ".")
+        return cells
 
     def check_thousands(self) -> None:
         """Refuse, once all cells are read, commas that separate thousands as well as decimals."""
@@ -397,13 +352,6 @@ class CsvTable:
 def _reader(lines: Iterable[str], separator: str) -> Iterator[list[str]]:
     """Cells of lines; a quote counts after spaces too, as people write them behind commas."""
     return csv.reader(lines, delimiter=separator, skipinitialspace=True)
-
-
-def named_cells(cells: list[str]) -> list[str]:
-    """Cells without the empty ones at the end."""
-    while cells and not cells[-1]:
-        cells = cells[:-1]
-    return cells
 
 
 def _is_number(cell: str) -> bool:

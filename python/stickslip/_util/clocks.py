@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -23,6 +24,8 @@ _LATE = 1e8
 """Time, s, from which on times are counted from the first. Chosen: no experiment runs for three
 years, and fractions of a microsecond stay."""
 
+_EPOCH = datetime.date(1970, 1, 1)
+
 
 def seconds(cell: str) -> float:
     """A time, s, of a `STAMP`, with a clock of two parts in hours; NaN of other cells."""
@@ -33,28 +36,26 @@ def seconds(cell: str) -> float:
 
 def _nanoseconds(stamp: re.Match[str], minutes: bool) -> int | None:
     """Time of a date since 1970, of a clock since midnight; one of two parts may be in minutes."""
-    parts = stamp["clock"].replace(",", ".").split(":")
-    whole, _, fraction = parts[-1].partition(".")
-    numbers = [*map(int, parts[:-1]), int(whole)]
-    if len(numbers) == 2:
-        numbers = [0, *numbers] if minutes else [*numbers, 0]
-    hours, minute, second = numbers
+    whole, _, fraction = stamp["clock"].replace(",", ".").partition(".")
+    parts = [*map(int, whole.split(":"))]
+    if len(parts) == 2:
+        parts = [0, *parts] if minutes else [*parts, 0]
+    hours, minute, second = parts
+    zone = stamp["zone"] or "+0000"
+    ahead = 3600 * int(zone[:3]) + 60 * int(zone[0] + zone[-2:])
+    date = [*map(int, re.split("[-/.]", (stamp["date"] or "1970-01-01").strip(" T")))]
     if hours > 23 or second > 59 or (minute > 59 and not minutes):
         return None
-    clock = (3600 * hours + 60 * minute + second) * 10**9 + int(f"{fraction[:9]:0<9}")
-    zone = stamp["zone"] or "+0000"
-    ahead = (3600 * int(zone[:3]) + 60 * int(zone[0] + zone[-2:])) * 10**9
-    day = (stamp["date"] or "1970-01-01").strip(" T").replace("/", "-")
-    if "." in day:
-        day = "{2}-{1:0>2}-{0:0>2}".format(*day.split("."))
     try:
-        return int(np.datetime64(day, "D").astype(int)) * 86400 * 10**9 + clock - ahead
+        days = (datetime.date(*(date if date[0] > 31 else date[::-1])) - _EPOCH).days
     except ValueError:
         return None
+    since = 86400 * days + 3600 * hours + 60 * minute + second - ahead
+    return since * 10**9 + int(f"{fraction[:9]:0<9}")
 
 
-def times(column: Column, path: object, lines: Sequence[Line]) -> tuple[Array, list[Note], bool]:
-    """Times of a column, s, NaN where there is none; notes, and whether none is a number.
+def times(column: Column, path: object, lines: Sequence[Line]) -> tuple[Array, list[Note]]:
+    """Times of a column, s, NaN where there is none, and notes.
 
     Dates, and numbers as large as dates, are counted from the first.
     """
@@ -68,17 +69,17 @@ def times(column: Column, path: object, lines: Sequence[Line]) -> tuple[Array, l
             f"line {lines[k]}: allowed is one of these"
         )
     if stamps:
-        return (*_of_stamps(stamps, column, path), True)
+        return _of_stamps(stamps, column, path)
     if known and column.what.unit in CLOCKS:
         raise ScenarioError(
             f"{path}: column {heading} has the number {t[known[0]]:g} in line {lines[known[0]]}: "
             "allowed are clocks such as 12:00:01.5, or another unit"
         )
     if not known or abs(t[known[0]]) < _LATE:
-        return t, [], not known
+        return t, []
     first = float(t[known[0]])
     note = Note("dates", f"Times are counted from the first, {first:.10g} s.", first)
-    return t - first, [note], False
+    return t - first, [note]
 
 
 def _of_stamps(
@@ -94,9 +95,9 @@ def _of_stamps(
             f"{path}: column {column.what.heading}: {shown(two[0])} may be hours or minutes: write "
             f'"{name} (hh:mm)" or "{name} (mm:ss)"'
         )
-    since = {k: _nanoseconds(stamp, not dated and unit == "mm:ss") for k, stamp in stamps.items()
-             if bool(stamp["date"]) == dated}  # fmt: skip
-    known = {k: each for k, each in since.items() if each is not None}
+    minutes = not dated and unit == "mm:ss"
+    known = {k: since for k, stamp in stamps.items() if bool(stamp["date"]) == dated
+             and (since := _nanoseconds(stamp, minutes)) is not None}  # fmt: skip
     first = next(iter(known.values()), 0) if dated else 0
     t = np.full(len(column.values), math.nan)
     t[list(known)] = [(each - first) / 1e9 for each in known.values()]

@@ -5,6 +5,7 @@ A file, a data frame, a Dataset and a mapping of arrays become the same `SourceT
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -18,14 +19,14 @@ import numpy as np
 from stickslip._util.arrays import (
     Array,
     Mask,
+    are_times,
     columns_of,
     converted,
     numbers,
-    states_unit,
+    to_si,
     without_unit,
 )
 from stickslip._util.cells import (
-    DECIMAL_COMMAS,
     LARGEST,
     LIMIT,
     MOST_COLUMNS,
@@ -38,7 +39,8 @@ from stickslip._util.messages import refuse, shown
 from stickslip._util.note import Note
 from stickslip._util.recipes import VALID, Match, Recipe
 from stickslip._util.text import counted, plain
-from stickslip._util.units import split_unit, to_si
+from stickslip._util.units import split_unit
+from stickslip._util.workbook import sheet_text
 from stickslip.errors import ScenarioError, prefixed
 
 if TYPE_CHECKING:
@@ -62,6 +64,8 @@ _SAID = {"1": True, "1.0": True, "true": True, "yes": True,
 """How columns of `VALID` say it."""
 
 _NO_ROW = "is empty: there is no row of data below a line of column names"
+
+_BLOCK = 1 << 12  # rows; chosen: few enough for the room of their cells
 
 _NAMED = 5
 """Lines, or columns, that a note names, with "..." for more. Chosen: one line."""
@@ -168,8 +172,8 @@ class SourceTable:
 
     def conversions(self) -> list[Note]:
         """A note on the columns that were converted to SI, if there are any."""
-        what = [column.what for column in self.columns.values() if column.what.per != 1.0]
-        made = {each.name: f"from {each.unit} to {each.si}" for each in what}
+        made = {what.name: f"from {what.unit} to {what.si}"
+                for each in self.columns.values() if (what := each.what).per != 1.0}  # fmt: skip
         return converted(f"{self.name}: ", made)
 
     def many_gaps(self) -> list[Note]:
@@ -249,7 +253,7 @@ class Source:
         self.is_file = isinstance(given, str | PathLike)
         self.path = Path(given if self.is_file else type(given).__name__)
         with prefixed(self.path):
-            self.data = read_bytes(given, most, "table") if self.is_file else b""
+            self.data = sheet_text(read_bytes(given, most, "table")) if self.is_file else b""
 
     def csv(self, names: Collection[str]) -> CsvTable:
         """The file from its header on, which has one of some names."""
@@ -280,7 +284,8 @@ class Source:
         """The table as a recipe says; a ScenarioError begins with the path."""
         with prefixed(self.path):
             table = _of_file(self, recipe) if self.is_file else _of_arrays(self, recipe)
-            _check_cells(table, recipe)
+            if not recipe.lenient:
+                _check_cells(table, recipe)
         return replace(table, notes=(*table.notes, *table.conversions()))
 
 
@@ -294,9 +299,7 @@ def read_table(given: Any, recipe: Recipe) -> SourceTable:
         that is not known, or like a known one; with an exact recipe also if a column or cell is not
         as it has to be.
     """
-    source = given if isinstance(given, Source) else Source(
-        given, MOST_EXACT if recipe.exact else MOST_BYTES)  # fmt: skip
-    return source.read(recipe)
+    return Source(given, MOST_EXACT if recipe.exact else MOST_BYTES).read(recipe)
 
 
 def index_labels(table: Any) -> list[Line]:
@@ -333,20 +336,25 @@ def _of_file(source: Source, recipe: Recipe) -> SourceTable:
     parts = list(map(_Part, matches))
     lines: list[int] = []
     ragged: dict[int, int] = {}
-    for block in file.blocks():
-        for k, part in enumerate(parts):
-            is_text = part.what.si is None
-            part.take(block.columns[k] if is_text else file.pointed(block, k))
-        ragged |= {len(lines) + k: count for k, count in block.ragged.items()}
-        lines += block.lines
+    rows = file.rows()
+    while block := list(itertools.islice(rows, _BLOCK)):
+        at, cells, counts = zip(*block, strict=True)
+        for k, (part, texts) in enumerate(zip(parts, zip(*cells, strict=True), strict=True)):
+            pointed = texts if part.what.si is None else file.pointed(k, at, texts)
+            part.take(pointed, first=len(lines))
+        ragged |= {len(lines) + k: count for k, count in enumerate(counts) if count}
+        lines += at
         if len(lines) > _MOST_ROWS and not recipe.exact:
             raise ScenarioError(f"has more rows than are allowed, {_MOST_ROWS}")
     width = len(parts)
     if not lines:
         raise ScenarioError(_NO_ROW)
     if file.separator == "," and len(ragged) == len(lines) and min(ragged.values()) > width:
-        few = f"line {lines[0]} has {ragged[0]} cells, and the header {width} names"
-        raise ScenarioError(f"{few}, and so on; {DECIMAL_COMMAS}")
+        raise ScenarioError(
+            f"line {lines[0]} has {ragged[0]} cells, and the header {width} names, and so on; if "
+            "these are decimal commas, separate the columns by semicolons or write decimal points; "
+            "else every column needs a name"
+        )
     file.check_thousands()
     here: list[_Part] = []
     for part, name in zip(parts, file.header, strict=True):
@@ -383,32 +391,28 @@ class _Part:
         self.texts: list[str] = []
         self.values: list[Array] = [np.empty(0)]
         self.odd: dict[int, str] = {}
-        self.count = 0
 
-    def take(self, cells: Sequence[str]) -> None:
-        """Read some cells."""
+    def take(self, cells: Sequence[Any], values: Array | None = None, first: int = 0) -> None:
+        """Cells from a row on, and their numbers if these are known, NaN in gaps."""
         if self.what.si is None:
-            self.texts += cells
+            self.texts += map(_cell, cells)
             return
-        self.take_numbers(np.array(list(map(number, cells)), dtype=float), cells)
-
-    def take_numbers(self, values: Array, cells: Sequence[Any]) -> None:
-        """Some numbers of it, NaN in gaps, and how they are written."""
+        if values is None:
+            values = np.array(list(map(number, map(_cell, cells))), dtype=float)
         values = np.where(np.abs(values) < LARGEST, values, math.nan)
-        self.odd |= {self.count + k: _cell(cells[k])
+        self.odd |= {first + k: _cell(cells[k])
                      for k in np.flatnonzero(np.isnan(values)).tolist()}  # fmt: skip
         self.values.append(values)
-        self.count += len(values)
 
     def take_array(self, values: Any) -> None:
         """Read an array: texts one by one, as those of a file, or numbers."""
-        cells, heading = list(values), f"column {self.what.heading}"
+        cells = list(values)
         if self.what.si is None or any(isinstance(cell, str) for cell in cells):
-            self.take([_cell(value) for value in cells])
+            self.take(cells)
             return
-        if states_unit(values):  # dates and durations are in s, whatever the heading says
+        if are_times(values):  # they are in s, whatever the heading says
             self.what = self.what._replace(unit="s", per=1.0)
-        self.take_numbers(numbers(heading, values, gaps=True, finite=False), cells)
+        self.take(cells, numbers(f"column {self.what.heading}", values, gaps=True, finite=False))
 
     def column(self) -> Column:
         """The whole of it, in SI."""
@@ -479,6 +483,8 @@ def _of_arrays(source: Source, recipe: Recipe) -> SourceTable:
 
 
 def _cell(value: Any) -> str:
+    if isinstance(value, str):
+        return value.strip()
     if isinstance(value, float | np.floating):
         return "" if math.isnan(value) else repr(float(value))
     return "" if value is None or str(value) in ("<NA>", "NaT", "--") else str(value).strip()
@@ -498,18 +504,14 @@ def sound_numbers(
     there = {name: column.values for name, column in table.known.items()}
     required = [name for name, entry in recipe.entries.items() if entry.required]
     sound = np.all([np.isfinite(there[name]) for name in required], axis=0)
-    many = table.many_gaps()
-    left_out = [*many, *table.notes, *table.not_used()]
+    left_out = [*table.many_gaps(), *table.notes, *table.not_used()]
     if not sound.all():
         wrong = np.flatnonzero(~sound).tolist()
-        first = wrong[0]
-        name = next(name for name in required if not np.isfinite(there[name][first]))
-        cell = f"the first {name} = {shown(table.columns[name].cell(first))}"
-        if first in table.ragged:
-            cell = f"the first {table.ragged[first]}"
+        name = next(name for name in required if not np.isfinite(there[name][wrong[0]]))
+        cell = f"{name} = {shown(table.columns[name].cell(wrong[0]))}"
         text = (
             f"{table.at(wrong)}: {len(wrong)} of {len(table)} rows have a cell that is no number, "
-            f"too few cells or too many, {cell}."
+            f"too few cells or too many, the first {table.ragged.get(wrong[0], cell)}."
         )
         left_out.append(Note("bad-cells", text, len(wrong)))
     if not sound.any():

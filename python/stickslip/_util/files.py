@@ -13,7 +13,6 @@ import stat
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from os import PathLike
 from pathlib import Path
-from typing import BinaryIO
 
 from stickslip.errors import NotWritten, ScenarioError
 
@@ -42,14 +41,6 @@ def read_bytes(path: str | PathLike[str], most: int, kind: str) -> bytes:
     if len(data) > most:
         raise ScenarioError(f"is longer than {most} bytes, so it is no {kind}")
     return data
-
-
-def sha256_of(file: BinaryIO) -> str:
-    """The SHA-256 of an open file from where it stands, hexadecimal."""
-    digest = hashlib.sha256()
-    while piece := file.read(1 << 20):
-        digest.update(piece)
-    return digest.hexdigest()
 
 
 def check_name(path: str | PathLike[str]) -> None:
@@ -126,12 +117,8 @@ def replacing(path: str | PathLike[str]) -> Iterator[Path]:
 
 def check_writable(path: str | PathLike[str]) -> None:
     """Raise an OSError for a path to which `replacing` could not write."""
-    with contextlib.suppress(_Tried), replacing(path):
-        raise _Tried
-
-
-class _Tried(Exception):
-    """Ends a trial without a file."""
+    with contextlib.suppress(EOFError), replacing(path):
+        raise EOFError  # ends the trial without a file
 
 
 def check_folder(path: str | PathLike[str], files: Iterable[str] = ()) -> None:
@@ -139,25 +126,21 @@ def check_folder(path: str | PathLike[str], files: Iterable[str] = ()) -> None:
 
     It need not exist yet, but the folder around it; the error names the obstacle.
     """
-    folder, made = Path(path), False
+    folder = Path(path)
+    if folder.is_dir():
+        for name in files or (secrets.token_hex(8),):
+            check_writable(folder / name)
+        return
     try:
         check_name(path)
-        if folder.exists() and not folder.is_dir():
+        if folder.exists():
             raise NotADirectoryError("it is not a folder")
         if not folder.parent.is_dir():
             raise FileNotFoundError(f"there is no folder {folder.parent}")
-        if not folder.exists():
-            folder.mkdir()
-            made = True
+        folder.mkdir()
+        folder.rmdir()
     except OSError as error:
         raise NotWritten(f"cannot write {path}: {error.strerror or error}") from None
-    else:
-        for name in files or (secrets.token_hex(8),):
-            check_writable(folder / name)
-    finally:
-        if made:
-            with contextlib.suppress(OSError):  # another process has written into it
-                folder.rmdir()
 
 
 def write_together(writers: Mapping[Path, Callable[[Path], object]]) -> None:

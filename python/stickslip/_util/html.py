@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import base64
 import functools
 import hashlib
 import io
 import re
-from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from html import escape
 from typing import TYPE_CHECKING
@@ -91,15 +89,6 @@ def svg(figure: Figure | None) -> Markup:
     return Markup(printable_lines(text))
 
 
-def png(figure: Figure | None) -> str:
-    """A figure as PNG in base64, as pages hold it; empty if there is none."""
-    if figure is None:
-        return ""
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=110, metadata={"Software": None})
-    return base64.b64encode(buffer.getvalue()).decode("ascii")
-
-
 def html_table(title: str, rows: Sequence[tuple[str, str]]) -> str:
     """A title with a row for each name and value; all texts are escaped.
 
@@ -112,18 +101,6 @@ def html_table(title: str, rows: Sequence[tuple[str, str]]) -> str:
     ]
     caption = f'<caption style="text-align: left"><b>{_text(title)}</b></caption>'
     return "\n".join(["<table>", caption, *lines, "</table>"])
-
-
-class ShownBySummary(ABC):
-    """An object whose notebook view is its `summary`, escaped and with its line ends."""
-
-    @abstractmethod
-    def summary(self) -> str:
-        """The text."""
-
-    def _repr_html_(self) -> str:
-        shown = "\n".join(map(_text, self.summary().split("\n")))
-        return f'<pre style="white-space: pre-wrap">{shown}</pre>'
 
 
 def _text(value: str) -> str:

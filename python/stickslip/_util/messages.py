@@ -12,12 +12,10 @@ from collections.abc import Iterable, Mapping
 from os import PathLike
 from typing import Any, NoReturn, TypeVar
 
-from stickslip._util.text import is_number, quoted
+from stickslip._util.text import is_number, quoted, shortened
 from stickslip.errors import ScenarioError
 
 _T = TypeVar("_T")
-
-_LONGEST_SHOWN = 60  # characters of a value in an error; chosen: the error stays one line
 
 MOST_VALUES = 10_000_000
 """Values of the longest list, and points of the largest sweep, whose results take 1.5 GB."""
@@ -41,7 +39,7 @@ def shown(value: object) -> str:
             text = " ".join(repr(value).split())
         except ValueError:  # an integer of thousands of digits
             text = "a number too long to print"
-    return text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 3] + "..."
+    return shortened(text)
 
 
 def refuse(key: str, value: object, allowed: str) -> NoReturn:
@@ -126,21 +124,17 @@ def known_arguments(kind: type[_T]) -> type[_T]:
         try:
             made(self, *values, **named)
         except TypeError:  # looked at only here: what is right costs no time
-            _check_arguments(kind, values, named)
+            signature = inspect.signature(kind)
+            wrong = next((name for name in named if name not in signature.parameters), "")
+            hint = suggestion(wrong, signature.parameters)
+            if wrong:
+                refusal = f"{wrong} = {shown(named[wrong])}: there is no such argument; {hint}"
+                raise ScenarioError(f"{kind.__name__}: {refusal}") from None
+            try:
+                signature.bind(*values, **named)
+            except TypeError as error:
+                raise ScenarioError(f"{kind.__name__}: {error}; {hint}") from None
             raise
 
     kind.__init__ = checked  # type: ignore[assignment]
     return kind
-
-
-def _check_arguments(kind: type, values: tuple[Any, ...], named: Mapping[str, Any]) -> None:
-    signature = inspect.signature(kind)
-    known = list(signature.parameters)
-    for name in (name for name in named if name not in known):
-        given = f"{kind.__name__}: {name} = {shown(named[name])}"
-        hint = suggestion(name, known)
-        raise ScenarioError(f"{given}: there is no such argument; {hint}") from None
-    try:
-        signature.bind(*values, **named)
-    except TypeError as error:
-        raise ScenarioError(f"{kind.__name__}: {error}; {suggestion('', known)}") from None

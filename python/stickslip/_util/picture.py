@@ -39,8 +39,6 @@ RC: Any = {
     "axes.axisbelow": True,
 }
 
-_DOTS_PER_INCH = 100  # of a screen
-
 
 class Picture(Figure):
     """A figure that a cell shows if it is the cell's last value, and that is in no window.
@@ -60,7 +58,7 @@ class Picture(Figure):
 
     def _repr_png_(self) -> bytes:
         buffer = io.BytesIO()
-        self.savefig(buffer, format="png", dpi=_DOTS_PER_INCH)
+        self.savefig(buffer, format="png", dpi=100)  # of a screen
         return buffer.getvalue()
 
 

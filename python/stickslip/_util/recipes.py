@@ -66,11 +66,14 @@ class Recipe:
         gap is NaN otherwise, and other columns are information.
     information : collection of str
         Names of others that are not taken for slips of known ones.
+    lenient : bool
+        Whether cells that are no numbers stay, as `Column.odd`.
     """
 
     entries: Mapping[str, Entry]
     exact: bool = False
     information: Collection[str] = ()
+    lenient: bool = False
 
     @staticmethod
     def of(units: Mapping[str, str | None], required: Collection[str] = (), **more: Any) -> Recipe:
@@ -96,10 +99,9 @@ class Recipe:
             if name not in names:
                 made.append(Match(heading, heading, known=False))
                 continue
-            si = self.entries[names[name]].unit
-            per = 1.0 if unit is None else per_heading(heading, unit, "-" if si is None else si)
-            clock = self.entries[names[name]].clock
-            made.append(Match(heading, names[name], si, unit, per, clock=clock))
+            entry = self.entries[names[name]]
+            per = 1.0 if unit is None else per_heading(heading, unit, entry.unit or "-")
+            made.append(Match(heading, names[name], entry.unit, unit, per, clock=entry.clock))
         refuse_twice([match.name for match in made])
         return made
 

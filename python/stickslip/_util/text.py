@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import numbers
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any, TypeGuard
@@ -29,7 +28,7 @@ def printable_lines(text: str) -> str:
 def shortened(text: object, most: int = 60) -> str:
     """The printable text, cut to `most` characters.
 
-    For figures, whose axes need the room. Chosen: a pair of the library's causes fits.
+    Chosen: the line of an error stays one, and a pair of the library's causes fits on an axis.
     """
     text = printable(text)
     return text if len(text) <= most else f"{text[: most - 3]}..."
@@ -88,9 +87,6 @@ def alike(step: float, *values: float) -> list[str]:
     return [f"{round(value, places) + 0.0:.12g}" for value in values]
 
 
-_UNUSUAL = re.compile(r"[^\n -~]")
-
-
 def json_text(value: Any) -> str:
     """One JSON text; a number that is not finite is null.
 
@@ -98,7 +94,9 @@ def json_text(value: Any) -> str:
     control characters, and the others, such as DEL, act on a terminal.
     """
     text = json.dumps(_finite(value), indent=2, allow_nan=False, ensure_ascii=False)
-    return _UNUSUAL.sub(lambda m: m[0] if m[0].isprintable() else json.dumps(m[0])[1:-1], text)
+    return "".join(
+        char if char == "\n" or char.isprintable() else json.dumps(char)[1:-1] for char in text
+    )
 
 
 def _finite(value: Any) -> Any:
@@ -121,13 +119,8 @@ class OneLine:
     """
 
     def __repr__(self) -> str:
-        if not is_dataclass(self):
-            return f"{type(self).__name__}()"
-        shown = [
-            f"{field.name}={brief(getattr(self, field.name))}"
-            for field in fields(self)
-            if field.repr and hasattr(self, field.name)
-        ]
+        shown = [f"{field.name}={brief(getattr(self, field.name))}" for field in fields(self)  # type: ignore[arg-type]
+                 if field.repr and hasattr(self, field.name)]  # fmt: skip
         return f"{type(self).__name__}({', '.join(shown)})"
 
 
@@ -146,5 +139,4 @@ def brief(value: Any) -> str:
         if not few:
             kinds = {type(part).__name__ for part in value}
             return f"<{len(value)} {kinds.pop() if len(kinds) == 1 else 'items'}>"
-    text = " ".join(repr(value).split())
-    return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
+    return shortened(" ".join(repr(value).split()), _LONGEST)

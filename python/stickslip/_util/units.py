@@ -7,102 +7,60 @@ import math
 import re
 import unicodedata
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, TypeVar
 
-from stickslip._util.messages import nearest
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-Numbers = TypeVar("Numbers", float, "NDArray[np.float64]")
+from stickslip._util.messages import meant
 
 SI = "si"
 Units = Mapping[str, str] | str | None
 """Units that a caller states: by column, or `SI` for all."""
 
-_PREFIXES = {"k": 1e-3, "m": 1e3, "u": 1e6, "µ": 1e6, "μ": 1e6, "n": 1e9}
+_PREFIXES = {"k": 1e-3, "m": 1e3, "u": 1e6, "µ": 1e6, "μ": 1e6, "n": 1e9, "c": 1e2, "M": 1e-6}
 """How many of the prefixed unit are one; both signs of micro."""
+_LONG = {"nano": 1e9, "micro": 1e6, "milli": 1e3, "centi": 1e2, "kilo": 1e-3, "mega": 1e-6}
+_PREFIXED = (*"msAKNVWTHJgGΩ", "ohm", "Hz", "rad", "sec", "Nm")
 
-_CELSIUS, _TIMES = ("C", "degC", "°C"), ("time", "timestamp")
 CLOCKS = ("hh:mm:ss", "hh:mm", "mm:ss")
 """Units in the heading of a column of clocks, which are read as seconds."""
 
-_OTHERS = {
-    "s": {"sec": 1.0, "min": 1.0 / 60.0, "h": 1.0 / 3600.0, **dict.fromkeys(CLOCKS, 1.0)},
-    "m": {"cm": 1e2},
-    "m/s": {"cm/s": 1e2, "m/min": 60.0, "km/h": 3.6},
-    "rad": dict.fromkeys(("deg", "degree", "degrees", "°"), math.degrees(1.0)),
-    "rad/s": {
-        "rad/sec": 1.0,
-        **dict.fromkeys(("deg/s", "°/s", "deg/sec"), math.degrees(1.0)),
-        **dict.fromkeys(
-            ("rpm", "RPM", "1/min", "min-1", "U/min", "rev/min", "r/min"), 30.0 / math.pi
-        ),
-        **dict.fromkeys(("rps", "rev/s"), 0.5 / math.pi),
-    },
-    "N m": {
-        **dict.fromkeys(("Nm", "N·m", "N.m", "N*m", "N-m"), 1.0),
-        **dict.fromkeys(("mNm", "mN·m"), 1e3),
-        "kNm": 1e-3,
-        **dict.fromkeys(("N cm", "Ncm"), 1e2),
-        **dict.fromkeys(("N mm", "Nmm"), 1e3),
-        **dict.fromkeys(("kgf cm", "kgcm"), 1e2 / 9.80665),
-    },
-    "K": dict.fromkeys(_CELSIUS, 1.0),
-    "T": dict.fromkeys(("G", "gauss"), 1e4),
-    "T/A": {"G/A": 1e4},
-    "kg": {"g": 1e3, "mg": 1e6, "ug": 1e9, "µg": 1e9},
-    "N m s^2": {"N m s²": 1.0},
-    "m/s^2": {"m/s²": 1.0},
-    "kg m^2": {"kg m²": 1.0},
-    "ohm": {"Ω": 1.0},
-}
-"""How many of a unit that is no prefixed one are the SI unit; of temperatures, differences."""
-
 _Size = tuple[float, tuple[int, ...]]
-_BASES: dict[str, _Size] = {
-    "1": (1.0, (0, 0, 0, 0, 0, 0)), "%": (0.01, (0, 0, 0, 0, 0, 0)),
-    "m": (1.0, (1, 0, 0, 0, 0, 0)), "inch": (0.0254, (1, 0, 0, 0, 0, 0)),
-    "foot": (0.3048, (1, 0, 0, 0, 0, 0)), "g": (1e-3, (0, 1, 0, 0, 0, 0)),
-    "s": (1.0, (0, 0, 1, 0, 0, 0)), "min": (60.0, (0, 0, 1, 0, 0, 0)),
-    "h": (3600.0, (0, 0, 1, 0, 0, 0)), "d": (86400.0, (0, 0, 1, 0, 0, 0)),
-    "A": (1.0, (0, 0, 0, 1, 0, 0)), "K": (1.0, (0, 0, 0, 0, 1, 0)),
-    "degC": (1.0, (0, 0, 0, 0, 1, 0)), "degF": (1.0 / 1.8, (0, 0, 0, 0, 1, 0)),
-    "rad": (1.0, (0, 0, 0, 0, 0, 1)), "deg": (math.pi / 180.0, (0, 0, 0, 0, 0, 1)),
-    "rev": (2.0 * math.pi, (0, 0, 0, 0, 0, 1)), "rpm": (math.pi / 30.0, (0, 0, -1, 0, 0, 1)),
-    "rps": (2.0 * math.pi, (0, 0, -1, 0, 0, 1)), "Hz": (1.0, (0, 0, -1, 0, 0, 0)),
-    "N": (1.0, (1, 1, -2, 0, 0, 0)), "kgf": (9.80665, (1, 1, -2, 0, 0, 0)),
-    "J": (1.0, (2, 1, -2, 0, 0, 0)), "W": (1.0, (2, 1, -3, 0, 0, 0)),
-    "V": (1.0, (2, 1, -3, -1, 0, 0)), "ohm": (1.0, (2, 1, -3, -2, 0, 0)),
-    "sec": (1.0, (0, 0, 1, 0, 0, 0)), "Ω": (1.0, (2, 1, -3, -2, 0, 0)),
-    "H": (1.0, (2, 1, -2, -2, 0, 0)),
-    "T": (1.0, (0, 1, -2, -1, 0, 0)), "G": (1e-4, (0, 1, -2, -1, 0, 0)),
-}  # fmt: skip
-"""SI size and the exponents of m, kg, s, A, K and rad. An angle is a quantity of its own: Hz, which
-does not say what it counts, is neither rad/s nor rpm."""
+_BASES = ("m", "g", "s", "A", "K", "rad")
+"""Units of which all others are made. An angle is a quantity of its own: Hz, which does not say
+what it counts, is neither rad/s nor rpm."""
 
-_TURNS = _BASES["rpm"][1]
+_MADE = {
+    "%": (1e2, "1"), "inch": (1.0 / 0.0254, "m"), "foot": (1.0 / 0.3048, "m"),
+    "sec": (1.0, "s"), "min": (1.0 / 60.0, "s"), "h": (1.0 / 3600.0, "s"),
+    "d": (1.0 / 86400.0, "s"), **dict.fromkeys(CLOCKS, (1.0, "s")),
+    "degC": (1.0, "K"), "degF": (1.8, "K"), "deg": (math.degrees(1.0), "rad"),
+    "rev": (0.5 / math.pi, "rad"), "rpm": (30.0 / math.pi, "rad/s"), "rps": (1.0, "rev/s"),
+    "Hz": (1.0, "1/s"), "N": (1.0, "kg m/s^2"), "kgf": (1.0 / 9.80665, "N"), "J": (1.0, "N m"),
+    "Nm": (1.0, "N m"), "N-m": (1.0, "N m"), "Ncm": (1.0, "N cm"), "Nmm": (1.0, "N mm"),
+    "kgcm": (1.0, "kgf cm"), "W": (1.0, "J/s"), "V": (1.0, "W/A"), "ohm": (1.0, "V/A"),
+    "Ω": (1.0, "V/A"), "H": (1.0, "V s/A"), "T": (1.0, "V s/m^2"), "G": (1e4, "T"),
+}  # fmt: skip
+"""How many of a unit are one of others; of temperatures, differences."""
 
 _WORDS = {
     "meter": "m", "metre": "m", "gram": "g", "gramme": "g", "second": "s", "sec": "s",
     "minute": "min", "hour": "h", "hr": "h", "day": "d", "ampere": "A", "amp": "A", "kelvin": "K",
-    "celsius": "degC", "deg_celsius": "degC", "deg_c": "degC", "degc": "degC", "°c": "degC",
-    "c": "degC", "°celsius": "degC", "fahrenheit": "degF", "deg_fahrenheit": "degF",
-    "deg_f": "degF", "degf": "degF", "°f": "degF", "radian": "rad", "degree": "deg", "°": "deg",
-    "turn": "rev", "revolution": "rev", "cycle": "rev", "newton": "N",
-    "joule": "J", "watt": "W", "volt": "V", "henry": "H", "tesla": "T", "gauss": "G",
-    "hertz": "Hz", "hz": "Hz", "rpm": "rpm", "revolutions_per_minute": "rpm", "min": "min",
-    "deg": "deg", "rad": "rad", "rev": "rev", "percent": "%", "pct": "%", "dimensionless": "1",
-    "ohm": "ohm",
+    "celsius": "degC", "c": "degC", "fahrenheit": "degF", "radian": "rad", "degree": "deg",
+    "°": "deg", "turn": "rev", "revolution": "rev", "cycle": "rev", "newton": "N", "joule": "J",
+    "watt": "W", "volt": "V", "henry": "H", "tesla": "T", "gauss": "G", "hertz": "Hz",
+    "revolutions_per_minute": "rpm", "percent": "%", "pct": "%", "dimensionless": "1",
+    **{name.casefold(): name for name in ("Hz", "rpm", "min", "deg", "rad", "rev", "ohm", "degC",
+                                          "degF")},
 }  # fmt: skip
 """Names of units in whatever case, also with an s at their end."""
 
-_LONG = {"nano": 1e-9, "micro": 1e-6, "milli": 1e-3, "centi": 1e-2, "kilo": 1e3, "mega": 1e6}
-_SHORT = {**{name: 1.0 / n for name, n in _PREFIXES.items()}, "c": 1e-2, "M": 1e6}
-_PREFIXED = (*"msAKNVWTHJgGΩ", "ohm", "Hz", "rad", "sec")
 _FACTOR = re.compile(r"(?:([^\d\s^*/.·]+?)|1)(?:\^?([+-]?\d+))?")
-_DIFFERENCE = re.compile(r"(?:delta_|delta |Δ|∆)")
+
+_TURNS = ("1/min", "min-1", "U/min", "r/min")
+"""Of an angular velocity they count turns."""
+_LISTED = (
+    *("min", "h", *CLOCKS, "cm", "cm/s", "km/h", "deg", "°", "deg/s", "°/s", "rpm", *_TURNS),
+    *("rev/s", "Nm", "mNm", "N cm", "N mm", "degC", "°C", "G", "G/A", "g", "mg", "ug", "µg"),
+)
+"""Units that messages name, beside those with a prefix."""
 
 _SHOWN = {
     "T": "mT", "T/m": "mT/m", "N": "µN", "m": "µm", "m/s": "mm/s", "rad": "degrees", "kg": "µg",
@@ -112,20 +70,21 @@ _SHOWN = {
 
 _HEADING = re.compile(r"(.*\S)\s*[(\[]\s*([^()\[\]]*?)\s*[)\]]")
 
-_SI = dict.fromkeys((*_OTHERS, *_SHOWN, "A", "Hz", "V", "W"))
+_SI = dict.fromkeys(("s", "m", "m/s", "rad", "rad/s", "N m", "K", "T", "T/A", "kg", *_SHOWN,
+                     "A", "Hz", "V", "W"))  # fmt: skip
 """SI units."""
 
 
 def handy(unit: str) -> tuple[float, str]:
     """Factor from an SI unit to a handier one, and its name; "" for a pure number."""
     if unit in _SHOWN:
-        return _known(unit)[_SHOWN[unit]], _SHOWN[unit]
+        return per_si(_SHOWN[unit], unit), _SHOWN[unit]
     return 1.0, unit_label(unit)
 
 
 def unit_label(unit: str) -> str:
     """An SI unit as it is shown; "" for a pure number."""
-    return "" if _is_pure(unit) else unit
+    return "" if unit in ("-", "1") else unit
 
 
 def with_unit(value: float, unit: str) -> str:
@@ -150,7 +109,7 @@ def split_unit(heading: str) -> tuple[str, str | None]:
     name, _, unit = (part.strip() for part in heading.partition("/"))
     symbol = len(name) == 1 or (len(name) == 2 and not is_unit(name))
     # A word over a time is a unit, as counts/s.
-    word = len(name) > 3 and (name.casefold() in _TIMES or not is_of(unit, "s"))
+    word = len(name) > 3 and (name.casefold() in ("time", "timestamp") or not is_of(unit, "s"))
     parted = (symbol or word or " / " in heading) and is_unit(unit) and not is_unit(heading)
     return (name, unit) if parted else (heading, None)
 
@@ -164,17 +123,20 @@ def ended(heading: str) -> list[tuple[str, str]]:
 
 def per_si(unit: str, si: str) -> float:
     """How many of a unit are one of an SI unit; a ValueError lists those of the same quantity."""
-    known = dict.fromkeys(("-", "1", ""), 1.0) | {"%": 100.0} if _is_pure(si) else _known(si)
+    if si in ("-", "1"):
+        if unit in ("-", "1", ""):
+            return 1.0
+        si = "1"
+    known = _known(si)
     if unit in known:
         return known[unit]
-    meant, of = _size(unit), _size("1" if _is_pure(si) else si)
-    if meant is not None and of is not None and meant[1] == of[1]:
-        return of[0] / meant[0]
-    near = nearest(unit, known)
-    hint = f'; did you mean "{near}"?' if near else ""
-    if _is_pure(si):
+    given, of = _size(unit), _size(si)
+    if given is not None and of is not None and given[1] == of[1]:
+        return given[0] / of[0]
+    if si == "1":
         raise ValueError("allowed is no unit, or %")
-    if meant is not None and of is not None and {meant[1], of[1]} == {_BASES["Hz"][1], _TURNS}:
+    hint = meant(unit, known)
+    if given and of and given[1][:-1] == of[1][:-1] == (0, 0, -1, 0, 0):  # but for an angle
         hint = "; Hz does not say whether it counts turns: a turn is 2 pi rad"
     if unit.rstrip("s") in ("tick", "count") and si == "rad":
         hint = "; of an encoder with 4096 ticks a turn, rev/4096"
@@ -182,70 +144,53 @@ def per_si(unit: str, si: str) -> float:
     raise ValueError(f"allowed are {listed}{hint}")
 
 
-def ratio(unit: str, other: str) -> float:
-    """How many of a unit are one of another; a ValueError if they are of different quantities."""
-    si = quantity_of(other)
-    if si is None:
-        raise ValueError(f"{other} is not known")
-    return per_si(unit, si) / per_si(other, si)
-
-
 @functools.lru_cache(256)
 def _size(unit: str) -> _Size | None:
-    """SI size and dimensions of a product of units as people and programs write it; else None."""
+    """How many of a product of units are one in SI, and its exponents of `_BASES`; None of none."""
     over, *under = _plain(unit).split("/")
-    size, dimensions = 1.0, 6 * [0]
+    per, exponents = 1.0, len(_BASES) * [0]
     for sign, part in ((1, over), *((-1, each) for each in under)):
         if sign < 0 and len(part) > 1 and part.isdecimal():  # rev/4096, a tick of an encoder
-            size /= int(part)
+            per *= int(part)
             continue
         for factor in re.split(r"[\s*·.]+", part.strip(" ()")):
             match = _FACTOR.fullmatch(factor)
-            base = match and (_base(match[1]) if match[1] else _BASES["1"])
-            if not match or not base:
+            n, name = _symbol(match[1] or "1") if match else (0.0, None)
+            if match is None or name is None:
                 return None
+            made, of = _MADE.get(name, (1e3 if name == "g" else 1.0, None))
+            own = tuple(int(name == base) for base in _BASES)
+            size, powers = (of and _size(of)) or (1.0, own)
             power = sign * int(match[2] or 1)
-            size *= base[0] ** power
-            dimensions = [n + power * m for n, m in zip(dimensions, base[1], strict=True)]
-    return size, tuple(dimensions)
+            per *= (n * made * size) ** power
+            exponents = [k + power * m for k, m in zip(exponents, powers, strict=True)]
+    return per, tuple(exponents)
 
 
 def _plain(unit: str) -> str:
     """A unit with one sign for each thing, and one word for each factor."""
     text = unicodedata.normalize("NFKC", unit.strip().replace("º", "°")).replace("**", "^")
     text = re.sub(r"\s*([*^/])\s*", r"\1", text)
-    return re.sub(r"(?:\bdeg(?:rees?)?|°)[ _]+(?=(?:c|f|celsius|fahrenheit)\b)", "deg_",
-                  text, flags=re.IGNORECASE)  # fmt: skip
+    return re.sub(r"(?:\bdeg(?:rees?)?|°)[ _]*([cf])(?:elsius|ahrenheit)?\b",
+                  lambda match: f"deg{match[1].upper()}", text, flags=re.IGNORECASE)  # fmt: skip
 
 
-def _base(text: str) -> _Size | None:
-    """A unit with its prefix, by its symbol or in whatever case by its name."""
-    if text in _BASES:
-        return _BASES[text]
-    for prefix, factor in _SHORT.items():
+def _symbol(text: str) -> tuple[float, str | None]:
+    """A prefix's number and the symbol of a unit, also by its name in whatever case."""
+    if text in (*_BASES, *_MADE, "1"):
+        return 1.0, text
+    for prefix, n in _PREFIXES.items():
         rest = text.removeprefix(prefix)
         # Nobody means Mm or Ms: there it is a slip of the shift key.
         if text != rest and rest in _PREFIXED and (prefix != "M" or rest not in ("m", "s", "g")):
-            return factor * _BASES[rest][0], _BASES[rest][1]
-    name, factor = _word(text)
-    return None if name is None else (factor * _BASES[name][0], _BASES[name][1])
-
-
-def _word(text: str) -> tuple[str | None, float]:
-    """The unit that a word names, and its prefix's factor."""
+            return n, rest
     word = text.casefold()
     prefix = next((each for each in _LONG if word.startswith(each)), "")
     rest = word.removeprefix(prefix)
     plural = rest[:-1] if rest.endswith("s") and len(rest) > 3 else rest
-    if text == "c":  # only in capitals
-        return None, 1.0
-    return _WORDS.get(rest, _WORDS.get(plural)), _LONG.get(prefix, 1.0)
-
-
-def without_delta(unit: str) -> str | None:
-    """The unit of a unit of differences, such as ``delta_degC``; None of any other."""
-    match = _DIFFERENCE.match(unit)
-    return unit[match.end() :] if match else None
+    # A temperature is C in capitals only.
+    known = None if text == "c" else _WORDS.get(rest, _WORDS.get(plural))
+    return _LONG.get(prefix, 1.0), known
 
 
 def quantity_of(unit: str) -> str | None:
@@ -265,7 +210,7 @@ def is_of(unit: str, si: str) -> bool:
 def is_unit(text: str) -> bool:
     """Whether a text is a unit of a file."""
     number = text[:1] in "+-.0123456789" and not text.startswith("1/")
-    return any(text in _known(si) for si in _SI) or (not number and _size(text) is not None)
+    return text in _TURNS or (not number and _size(text) is not None)
 
 
 def si_of(unit: str) -> str:
@@ -280,21 +225,16 @@ def same_unit(unit: str, si: str) -> bool:
 
 def zero_of(unit: str | None) -> float:
     """Temperature of a unit's zero, K."""
-    name, _ = _word(_plain(unit or ""))
+    _, name = _symbol(_plain(unit or ""))
     return {"degC": 273.15, "degF": 459.67 / 1.8}.get(str(name), 0.0)
-
-
-def to_si(values: Numbers, per: float) -> Numbers:
-    """Numbers in SI units; by an exact power of ten where there is one, so rounded once."""
-    return values if per == 1.0 else values / per if per >= 1.0 else values * (1.0 / per)
-
-
-def _is_pure(unit: str) -> bool:
-    return unit in ("1", "-")
 
 
 @functools.lru_cache(64)
 def _known(si: str) -> dict[str, float]:
-    """All units of the quantity of an SI unit, with how many of each are one of it."""
-    prefixed = {} if si == "kg" else {f"{prefix}{si}": n for prefix, n in _PREFIXES.items()}
-    return {si: 1.0, **prefixed, **_OTHERS.get(si, {})}
+    """Units of the quantity of an SI unit that messages name, with how many are one of it."""
+    prefixed = {} if si == "kg" else {f"{sign}{si}": _PREFIXES[sign] for sign in "kmuµμn"}
+    size, sizes = _size(si), {name: _size(name) for name in _LISTED}
+    if si == "rad/s":
+        sizes |= dict.fromkeys(_TURNS, _size("rpm"))
+    return {si: 1.0, **prefixed, **{name: each[0] / size[0] for name, each in sizes.items()
+                                    if size and each and each[1] == size[1]}}  # fmt: skip

@@ -9,8 +9,8 @@ from typing import Any
 import click
 
 from stickslip.cli import options, output
-from stickslip.cli.loading import load_with
 from stickslip.design.coil_facts import UNITS, CoilFacts, coil_facts, dimension_changes
+from stickslip.scenario.scenario import load_with
 from stickslip.simulation.notes import scenario_notes, shown_lines
 
 _SHOWN = {
@@ -23,7 +23,6 @@ _SHOWN = {
     "most_field": ("amplifier: field", 1e3, "mT"),
     "most_swing": ("amplifier: swing", 1e3, "mT, of a sawtooth at drive.frequency"),
 }
-
 
 _CODES = {
     "map-background", "window-short", "pulses-short", "hidden-key", "capacitor", "voltage", "map",
@@ -45,9 +44,7 @@ _CODES = {
 @options.SET
 @click.option("--volts", type=float, help="Most that an amplifier gives, V.")
 @click.option("--amperes", type=float, help="Most that an amplifier gives, A.")
-@click.option(
-    "--plot", type=options.PATH, help="Draw fields and currents: .png, .pdf, .svg and others."
-)
+@options.plot_option("fields and currents")
 @options.JSON
 def command(
     scenario: Path,

@@ -21,6 +21,7 @@ COMMANDS = {
     "keys": "List or search the keys of a scenario.",
     "optimise": "Find the drive of a scenario that is best under limits.",
     "predict": "Predict the summary of a scenario with error bars.",
+    "read": "Tell how the columns of a log are understood, and what is missing.",
     "run": "Simulate one scenario and print its summary.",
     "sweep": "Simulate a scenario at all combinations of some values.",
 }
@@ -45,6 +46,8 @@ class LazyCommand(click.Command):
         name = str(self.name)
         if not extra.get("resilient_parsing") and not {*_HELP} & {*args}:
             check_extras(f"stickslip {name}", name)
+            if name in ("diagnose", "read"):
+                args = importlib.import_module("stickslip.cli.log_models").expand_recipes(args)
             _check_once(loaded(name), args)
         return loaded(name).make_context(info_name, args, parent, **extra)
 

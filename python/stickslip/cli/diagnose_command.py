@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,13 +10,11 @@ import click
 
 import stickslip
 from stickslip._util.columns import Source
-from stickslip._util.files import check_folder
 from stickslip._util.units import Units
-from stickslip.cli.options import FOLDER, JSON, PATH, SEED, THREADS, UNITS, pairs, stated
-from stickslip.cli.output import print_json, progress_bar, say, write_new
+from stickslip.cli.options import FOLDER, JSON, MODEL, PATH, SEED, SET_OF_MODEL, THREADS, UNITS
+from stickslip.cli.output import choose_folder, print_json, progress_bar, say, write_new
 from stickslip.diagnosis.report.files import FILES as REPORT
 from stickslip.diagnosis.result import Diagnosis
-from stickslip.errors import prefixed
 from stickslip.walker.first_lines import TableGiven
 from stickslip.walker.problem import report_files
 
@@ -26,10 +24,11 @@ _SAID_FIRST = 3
 
 @click.command(
     "diagnose",
-    help="""Find what in a MEASUREMENT (a TOML file), or in LOGs (CSV), a model does not explain.
+    help="""Find what in a MEASUREMENT (a TOML file), or in LOGs (tables), a model does not explain.
 
     A log has columns of time, of a reading and of inputs, and --model names its model. Of a table
-    of data without --model it prints the lines of the measurement that fit its columns.
+    of data without --model it prints the lines of the measurement that fit its columns. The recipe
+    of a log, which "stickslip read --write" keeps, may take the place of LOG and --model.
 
     Recalibrates the uncertain parameters, tests for a misfit, and gives a verdict: named, dominant,
     pair, ambiguous, unexplained, none or data-problem.
@@ -40,12 +39,7 @@ _SAID_FIRST = 3
     "  stickslip diagnose after.csv --against before.csv --model joint --set inertia=0.1,0.002",
 )
 @click.argument("files", type=PATH, nargs=-1, required=True, metavar="MEASUREMENT | LOG...")
-@click.option(
-    "--model",
-    metavar="NAME",
-    help="Of logs: a ready-made model, such as joint or servo, or FILE.py:NAME. Each log is a "
-    "record of its own.",
-)
+@MODEL
 @click.option(
     "--against",
     type=PATH,
@@ -53,16 +47,7 @@ _SAID_FIRST = 3
     metavar="BEFORE",
     help="What changed since BEFORE, an earlier measurement or log; of logs there may be several.",
 )
-@pairs(
-    "--set",
-    stated,
-    "NAME=VALUE, NAME=VALUE,ERROR or NAME=LOW:HIGH, such as inertia=0.1,0.002",
-    "What is known of a ready-made model, in SI units, temperatures in K if those of the log are, "
-    "else in degC: a value, a value and its standard deviation, or the ends of a range, "
-    "log-uniform if above zero; also "
-    "reads=NAME, smooth=yes and without=NAME,NAME",
-    metavar="NAME=VALUE",
-)
+@SET_OF_MODEL
 @UNITS
 @click.option(
     "--out",
@@ -94,7 +79,8 @@ def command(
         for option, value in {"--threads": threads, "--write": write or None}.items():
             if value is not None:
                 raise click.UsageError(f"{option}: allowed without --model only")
-        _diagnose_logs(files, against, model, set, units, out, as_json, seed)
+        out = choose_folder(out, as_json, "diagnosis", REPORT)
+        _tell(*_of_logs(files, against, model, set, units, seed), out, as_json, REPORT)
         return
     measurement, *more = files
     more += against[1:]
@@ -114,53 +100,31 @@ def command(
     earlier = stickslip.read_measurement(against[0]) if against else None
     sides = [data] if earlier is None else [earlier, data]
     # Before what takes minutes: a cell with a slip of the pen may be worth mending first.
-    left_out = [row for each in sides for row in each.left_out]
-    for row in left_out[:_SAID_FIRST]:
+    left_out: list[object] = [row for each in sides for row in each.left_out]
+    left_out[_SAID_FIRST:] = ["and more, which the report lists"] * (len(left_out) > _SAID_FIRST)
+    for row in left_out:
         say(f"stickslip: {row}", err=True)
-    if len(left_out) > _SAID_FIRST:
-        say("stickslip: and more, which the report lists", err=True)
-    if out is None and not as_json:
-        out = Path("diagnosis")
     written = report_files(*(each.scenario for each in sides))
-    if out is not None:
-        with prefixed("--out", OSError):
-            check_folder(out, written)
+    out = choose_folder(out, as_json, "diagnosis", written)
     with progress_bar() as bar:
         result = stickslip.diagnose(data, against=earlier, seed=seed, threads=threads, progress=bar)
         if earlier is None:
             bar(1.0, "next experiment")
             result.propose_experiments()
-    try:
-        _print(result, as_json)
-    finally:  # a reader that closes the pipe loses no file
-        if out is not None:
-            result.save_report(out)
-    if out is not None and not as_json:
-        say(f"  in {out}: {', '.join(written)}")
+    _tell(result, None, out, as_json, written)
 
 
-def _diagnose_logs(
-    files: Sequence[Path],
-    against: Sequence[Path],
-    model: str,
-    given: Mapping[str, Any],
-    units: Units,
-    out: Path | None,
-    as_json: bool,
-    seed: int,
-) -> None:
+def _of_logs(
+    files: Sequence[Path], against: Sequence[Path], model: str, given: Any, units: Units, seed: int
+) -> tuple[Diagnosis, str]:
+    """The diagnosis of logs, and the title of its page."""
     from stickslip.cli.log_models import load_model
-    from stickslip.models import read_log
+    from stickslip.cli.read_command import read_or_explain
 
-    if out is None and not as_json:
-        out = Path("diagnosis")
-    if out is not None:
-        with prefixed("--out", OSError):
-            check_folder(out, REPORT)
     paths = [*against, *files]
-    sources = [Source(path) for path in paths]
+    sources = list(map(Source, paths))
     made = load_model(model, given, sources)
-    logs = [read_log(source, made, units) for source in sources]
+    logs = [read_or_explain(source, made, units) for source in sources]
     names = [log.name for log in logs]
     logs = [log.named(f"{path.resolve().parent.name}/{log.name}")
             if names.count(log.name) > 1 else log
@@ -174,20 +138,21 @@ def _diagnose_logs(
             result = stickslip.diagnose_change(made, *sides, seed=seed, progress=bar)
         else:
             result = stickslip.diagnose_model(made, logs, seed=seed, progress=bar)
+    told = [", ".join(path.name for path in some) for some in (files, against) if some]
+    return result, " against ".join(told)
+
+
+def _tell(
+    result: Diagnosis, title: str | None, out: Path | None, as_json: bool, written: Sequence[str]
+) -> None:
+    """Print what was found, and write it. Printing comes first, as a disk may be full."""
     try:
-        _print(result, as_json)
-    finally:
-        if out is not None:
-            told = [", ".join(path.name for path in each) for each in (files, against) if each]
-            result.save_report(out, title=" against ".join(told))
-    if out is not None and not as_json:
-        say(f"  in {out}: {', '.join(REPORT)}")
-
-
-def _print(result: Diagnosis, as_json: bool) -> None:
-    """Print what was found. That comes before files, as a disk may be full."""
-    if as_json:
-        print_json(result.as_dict())
-    else:
-        for line in result.summary().splitlines():
+        if as_json:
+            print_json(result.as_dict())
+        for line in () if as_json else result.summary().splitlines():
             say(line)
+    finally:  # a reader that closes the pipe loses no file
+        if out is not None:
+            result.save_report(out, title=title)
+    if out is not None and not as_json:
+        say(f"  in {out}: {', '.join(written)}")

@@ -1,25 +1,33 @@
-"""The models of logs that ``--model`` names, and the files that ``init --model`` writes."""
+"""The models of logs that ``--model`` names, and files that keep them."""
 
 from __future__ import annotations
 
+import contextlib
+import os
 import runpy
 import shlex
 import sys
 import traceback
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from stickslip import models
 from stickslip._util.columns import Source
-from stickslip._util.messages import meant
-from stickslip._util.text import printable
-from stickslip.errors import ScenarioError
+from stickslip._util.messages import check_kind, meant, suggestion
+from stickslip._util.prior import Prior
+from stickslip._util.text import literal, printable, quoted
+from stickslip._util.units import Units
+from stickslip.errors import ScenarioError, prefixed
 from stickslip.models.kinds import KINDS
 from stickslip.models.log import read_in
-from stickslip.models.model import Model
+from stickslip.models.model import Kind, Model
 from stickslip.models.scalar import Own
+from stickslip.scenario.toml_file import read_document
 
+_CONSTANT = (1.0, 0.1)
+_VERSION = "stickslip_log"
+_KEYS = {_VERSION: int, "log": str, "model": str, "units": list, "set": list}
 _ALLOWED = f"allowed is {', '.join(KINDS)} or FILE.py:NAME"
 
 
@@ -31,11 +39,9 @@ def load_model(text: str, given: Mapping[str, Any], logs: Sequence[Source]) -> A
     if text in KINDS:
         make = getattr(models, text)
         several = list(KINDS[text].reads)
-        reads = None
-        if "reads" not in given and len(several) > 1:
-            reads = read_in(logs[0], several)
+        reads = read_in(logs[0], several) if len(several) > 1 else None
         try:
-            return make(**({} if reads is None else {"reads": reads}), **given)
+            return make(**{**({"reads": reads} if reads else {}), **given})
         except ScenarioError as error:
             raise ScenarioError(
                 f"{error}; --set NAME=VALUE, NAME=VALUE,ERROR or NAME=LOW:HIGH states it, and "
@@ -81,13 +87,10 @@ def _line_of(path: str, error: Exception) -> str:
 def model_file(name: str, file: Path) -> str:
     """The text of a file with a ready-made model, whose numbers are to be changed."""
     kind = KINDS[name]
-    terms = list(kind.every.values())
-    constants = [term for term in terms if term.absent is None]
-    model = getattr(models, name)(**{term.name: (1.0, 0.1) for term in constants})
-    effects = [term for term in terms if term.size]
-    others = [term for term in terms if term not in constants and term not in effects]
-    sensors = ", ".join(dict.fromkeys(sensor.name for sensor in kind.sensors))
-    reads = " or ".join(f'"{quantity}"' for quantity in kind.reads if quantity != model.reads)
+    terms = kind.every.values()
+    known: dict[str, Any] = {term.name: _CONSTANT for term in terms if term.absent is None}
+    model = getattr(models, name)(**known)
+    known |= {"reads": model.reads, "smooth": False, "without": []}
     about = str(getattr(models, name).__doc__).split("\n", 1)[0]
     lines = [
         f'"""{about}',
@@ -98,23 +101,76 @@ def model_file(name: str, file: Path) -> str:
         f"# stickslip diagnose LOG.csv --model {shlex.quote(printable(file))}:model",
         "from stickslip import models",
         "",
-        "# What is known of it, in SI units and radians:",
+        "# SI units and radians: a value, or (value, standard deviation). An effect that is stated",
+        "# is known; the others are causes that may be named.",
         f"model = models.{name}(",
-        "    # Constants: a value, or (value, standard deviation). Change these numbers.",
-        *(_term(term.name, "(1.0, 0.1)", term.unit, term.meaning) for term in constants),
-        "    # Effects. One that is stated is known; the others are causes that may be named.",
-        *(f"    # {_term(term.name, '(0.1, 0.01)', term.unit, term.meaning).strip()}"
-          for term in effects),
-        "    # What has a usual value, or is found where it is not stated.",
-        *(f"    # {_term(term.name, repr(term.absent or 0.1), term.unit, term.meaning).strip()}"
-          for term in others),
-        *([f'    reads="{model.reads}",  # or {reads}'] if len(kind.reads) > 1 else []),
-        "    smooth=False,  # whether inputs change evenly between two readings, or are held",
-        f"    without=[],  # causes that are left out: effects above; {sensors}",
+        *(f"    {line}" for line in _listed(kind, known, "{}={!r},".format)),
         ")",
-    ]  # fmt: skip
+    ]
     return "\n".join(lines) + "\n"
 
 
-def _term(name: str, value: str, unit: str, meaning: str) -> str:
-    return f"    {name}={value},  # {'' if unit == '-' else f'{unit}: '}{meaning}"
+def _listed(kind: Kind, known: Mapping[str, Any], line: Callable[[str, Any], str]) -> list[str]:
+    """List all that may be stated of a ready-made model; what is not `known` is a comment."""
+    rows = dict[str, tuple[Any, str]]()
+    for term in kind.every.values():
+        usual = _CONSTANT if term.absent is None else (0.1, 0.01) if term.size else term.value
+        rows[term.name] = usual or 0.1, f"{term.unit}: {term.meaning}".removeprefix("-: ")
+    if len(kind.reads) > 1:
+        rows["reads"] = next(iter(kind.reads)), f"or another of {', '.join(kind.reads)}"
+    sensors = ", ".join(dict.fromkeys(sensor.name for sensor in kind.sensors))
+    rows["smooth"] = True, "whether inputs change evenly between two readings, or are held"
+    rows["without"] = [], f"causes that are left out: effects above; {sensors}"
+    texts = ((name, f"{line(name, known.get(name, usual))}  # {about}")
+             for name, (usual, about) in rows.items())  # fmt: skip
+    return [text if name in known else f"# {text}" for name, text in texts]
+
+
+def format_recipe(log: Path, model: str, units: Units, known: Mapping[str, Any], to: Path) -> str:
+    """Return the text of a recipe in the folder `to`: a log with what is stated of it."""
+    named = [f"{name}={unit}" for name, unit in units.items()] if isinstance(units, Mapping) else []
+    terms = _listed(KINDS[model], known, _argument) if model in KINDS else []
+    lines = [
+        f"{_VERSION} = 1",
+        f"log = {quoted(os.path.relpath(log, to))}",
+        f"model = {quoted(os.path.relpath(model, to) if ':' in model else model)}",
+        f"units = {literal(named or ([] if units is None else [units]))}",
+        "set = [  # SI units and radians: VALUE, VALUE,ERROR or LOW:HIGH",
+        *(f"  {line}" for line in terms),
+        "]",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _argument(name: str, value: Any) -> str:
+    """Return what ``--set`` takes as a text of a list."""
+    value = f"{value.first!r}:{value.second!r}" if isinstance(value, Prior) else value
+    said = ",".join(map(str, value)) if isinstance(value, list | tuple) else str(value).lower()
+    return f'"{name}={said}",'
+
+
+def expand_recipes(arguments: Sequence[str]) -> list[str]:
+    """Replace recipes by the arguments that they keep, whose paths begin at their folders."""
+    made: list[str] = []
+    for before, argument in zip(("", *arguments), arguments, strict=False):
+        path, document = Path(argument), dict[str, Any]()
+        with contextlib.suppress(ScenarioError):  # who reads it as something else says why
+            is_read = path.suffix == ".toml" and before != "--write"
+            document = read_document(path) if is_read else {}
+        if _VERSION not in document:
+            made.append(argument)
+            continue
+        with prefixed(path):
+            for name, value in document.items():
+                if name not in _KEYS:
+                    raise ScenarioError(f"there is no {name}; {suggestion(name, _KEYS)}")
+                check_kind(name, value, _KEYS[name])
+            if not {"log", "model"} <= document.keys() or document[_VERSION] != 1:
+                raise ScenarioError(f"allowed is {_VERSION} = 1, with a log and a model")
+        model = document["model"]
+        made.append(str(path.parent / document["log"]))
+        document["model"] = [str(path.parent / model) if ":" in model else model]
+        options = (f"--{name}={each}" for name in ("model", "units", "set")
+                   for each in document.get(name, ()))  # fmt: skip
+        made += [option for option in options if option not in made]
+    return made

@@ -8,12 +8,11 @@ from typing import Any
 import click
 
 import stickslip
-from stickslip._util.files import check_folder
 from stickslip._util.text import printable_lines
 from stickslip.cli import options, output
-from stickslip.cli.loading import load_uncertain
 from stickslip.design.optimum import SearchInterrupted
-from stickslip.errors import ScenarioError, prefixed
+from stickslip.errors import ScenarioError
+from stickslip.scenario.scenario import load_uncertain
 
 
 @click.command(
@@ -115,16 +114,10 @@ def command(
     if how["maximise"] is None and how["minimise"] is None:
         raise click.UsageError("--maximise or --minimise is missing, with a number of the summary")
     base, read = load_uncertain(scenario, set, uncertain)
-    if out is None and not as_json:
-        out = Path("best")
-    if out is not None:
-        for path in read:
-            if path.resolve().parent == out.resolve():
-                raise ScenarioError(
-                    f"--out: {out} has {path}, which is read; choose another folder"
-                )
-        with prefixed("--out", OSError):
-            check_folder(out)
+    out = output.choose_folder(out, as_json, "best")
+    for path in read:
+        if out is not None and path.resolve().parent == out.resolve():
+            raise ScenarioError(f"--out: {out} has {path}, which is read; choose another folder")
     how |= {"limits": limit, "coils": [name.strip() for name in coils.split(",")]}
     interrupted = False
     with output.progress_bar() as bar:

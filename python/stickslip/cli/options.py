@@ -100,6 +100,12 @@ def _column_units(ctx: click.Context, param: click.Parameter, texts: Sequence[st
     return units
 
 
+MODEL = click.option(
+    "--model",
+    metavar="NAME",
+    help="Of logs: a ready-made model, such as joint or servo, or FILE.py:NAME. Each log is a "
+    "record of its own.",
+)
 UNITS = click.option(
     "--units",
     multiple=True,
@@ -170,6 +176,17 @@ def pairs(
     return click.option(name, type=KeyValue(example, parse), help=f"{help}; repeatable.", **how)
 
 
+SET_OF_MODEL = pairs(
+    "--set",
+    stated,
+    "NAME=VALUE, NAME=VALUE,ERROR or NAME=LOW:HIGH, such as inertia=0.1,0.002",
+    "What is known of a ready-made model, in SI units, temperatures in K if those of the log are, "
+    "else in degC: a value, a value and its standard deviation, or the ends of a range, "
+    "log-uniform if above zero; also reads=NAME, smooth=yes and without=NAME,NAME",
+    metavar="NAME=VALUE",
+)
+
+
 def _keys_and_sign(*about: Any) -> list[CompletionItem]:
     return [CompletionItem(f"{item.value}=", help=item.help) for item in key_names(*about)]
 
@@ -200,11 +217,11 @@ def vary_option(required: bool) -> Callable[[_F], _F]:
     )
 
 
-def check_drawable(vary: Mapping[str, list[Any]], most: int) -> None:
+def check_drawable(plot: Path | None, vary: Mapping[str, list[Any]], most: int) -> None:
     """Refuse, before the work, what lines, or with two numbers at `most` a map, cannot show."""
     kinds = [isinstance(values[0], str) for values in vary.values() if len(values) > 1]
     numbers = kinds.count(False)
-    if not (numbers == 1 or (numbers == 2 == most and True not in kinds)):
+    if plot and not (numbers == 1 or (numbers == 2 == most and True not in kinds)):
         several = ", or with two of numbers" if most == 2 else ""
         raise click.UsageError(
             f"--plot: allowed with one --vary of numbers, and others of words{several}"
@@ -212,6 +229,13 @@ def check_drawable(vary: Mapping[str, list[Any]], most: int) -> None:
 
 
 PATH = click.Path(path_type=Path)
+
+
+def plot_option(drawn: str) -> Callable[[_F], _F]:
+    """Make ``--plot``, which draws something."""
+    return click.option("--plot", type=PATH, help=f"Draw {drawn}: .png, .pdf, .svg and others.")
+
+
 FOLDER = click.Path(path_type=Path, file_okay=False)
 UNCERTAIN = click.option(
     "--uncertain",

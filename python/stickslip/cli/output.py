@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 import stickslip
-from stickslip._util.files import check_suffix, check_writable, text_writer, write_together
+from stickslip._util import files
 from stickslip._util.text import json_text, printable
 from stickslip.errors import ScenarioError, prefixed
 
@@ -68,13 +68,24 @@ def check_files(read: Iterable[Path], /, **written: tuple[Path | None, tuple[str
         if path is None:
             continue
         with prefixed(f"--{name}", OSError):
-            check_writable(path)
+            files.check_writable(path)
         target = path.resolve()
         if target in taken:
             raise ScenarioError(f"--{name}: {path} {taken[target]}")
         with prefixed(f"--{name}", ValueError):
-            check_suffix(path, suffixes) if suffixes else stickslip.plot.check_format(path)
+            files.check_suffix(path, suffixes) if suffixes else stickslip.plot.check_format(path)
         taken[target] = f"is that of --{name} too"
+
+
+def choose_folder(
+    out: Path | None, as_json: bool, usual: str, written: Sequence[str] = ()
+) -> Path | None:
+    """Return the folder of ``--out``, in which files can be `written`; None for JSON alone."""
+    folder = Path(usual) if out is None and not as_json else out
+    if folder is not None:
+        with prefixed("--out", OSError):
+            files.check_folder(folder, written)
+    return folder
 
 
 def write_new(name: str, path: Path, text: str) -> None:
@@ -82,8 +93,8 @@ def write_new(name: str, path: Path, text: str) -> None:
     if path.is_file() or path.is_symlink():
         raise ScenarioError(f"{path} already exists: choose another name, or remove it")
     with prefixed(name, OSError):
-        check_writable(path)
-    write_together({path: text_writer(text)})
+        files.check_writable(path)
+    files.write_together({path: files.text_writer(text)})
     say(f"wrote {path}")
 
 

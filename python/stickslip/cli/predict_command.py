@@ -13,7 +13,7 @@ import stickslip
 from stickslip._util.columns import write_frame
 from stickslip._util.messages import shown, suggestion
 from stickslip.cli import options, output
-from stickslip.cli.loading import load_uncertain
+from stickslip.scenario.scenario import load_uncertain
 from stickslip.simulation.notes import lines_of_json
 from stickslip.simulation.quantities import ASKED, NUMBERS
 from stickslip.simulation.run import SUFFIXES
@@ -63,9 +63,7 @@ def _figures(ctx: click.Context, param: click.Parameter, text: str | None) -> li
 @click.option(
     "--out", type=options.PATH, help="Write the quantiles: .nc (netCDF; also .nc4, .h5) or .csv."
 )
-@click.option(
-    "--plot", type=options.PATH, help="Draw velocities with bands: .png, .pdf, .svg and others."
-)
+@options.plot_option("velocities with bands")
 @click.option(
     "--figures",
     callback=_figures,
@@ -89,8 +87,7 @@ def command(
 ) -> int:
     loaded, read = load_uncertain(scenario, set, uncertain)
     output.check_files(read, out=(out, SUFFIXES), plot=(plot, ()))
-    if plot is not None:
-        options.check_drawable(vary, 1)
+    options.check_drawable(plot, vary, 1)
     count = math.prod(map(len, vary.values())) * draws
     with output.progress_bar(count) as bar:
         data = stickslip.predict(loaded, vary, draws, seed, threads=threads, progress=bar)

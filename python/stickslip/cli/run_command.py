@@ -13,19 +13,9 @@ import stickslip
 from stickslip import _core
 from stickslip._util.text import highest
 from stickslip._util.units import handy
-from stickslip.cli.loading import load_with
-from stickslip.cli.options import JSON, PATH, SET
-from stickslip.cli.output import (
-    check_files,
-    drawn,
-    print_json,
-    print_rows,
-    progress_bar,
-    save_plot,
-    say,
-)
+from stickslip.cli import options, output
 from stickslip.errors import ScenarioError, prefixed
-from stickslip.scenario.scenario import Scenario
+from stickslip.scenario.scenario import Scenario, load_with
 from stickslip.simulation.notes import shown_lines
 from stickslip.simulation.quantities import NUMBERS
 from stickslip.simulation.run import SUFFIXES, Run
@@ -70,11 +60,11 @@ Events that the summary counts:
 Example:
   stickslip run scenario.toml --set drive.frequency=30 --out run.nc --plot run.png""",
 )
-@click.argument("scenario", type=PATH)
-@SET
+@click.argument("scenario", type=options.PATH)
+@options.SET
 @click.option(
     "--out",
-    type=PATH,
+    type=options.PATH,
     help="Write the recorded motion while the run goes on: .nc (netCDF; also .nc4, .h5) or .csv.",
 )
 @click.option(
@@ -83,10 +73,10 @@ Example:
     help='End where a condition is met, such as "x >= 3e-3"; of time (s), x, y, z (m), theta, '
     "heading (rad, from -pi to pi) or revolutions.",
 )
-@click.option("--plot", type=PATH, help="Draw the run: .png, .pdf, .svg and others.")
+@options.plot_option("the run")
 @click.option(
     "--animate",
-    type=PATH,
+    type=options.PATH,
     help="Write a moving picture: .gif, .webp, or .mp4 where ffmpeg is installed.",
 )
 @click.option(
@@ -102,7 +92,7 @@ Example:
     metavar="FACTOR",
     help="Seconds of --animate for one second of the motion; default: it lasts 10 s at most.",
 )
-@JSON
+@options.JSON
 def command(
     scenario: Path,
     set: dict[str, Any],
@@ -116,7 +106,7 @@ def command(
     as_json: bool,
 ) -> int:
     loaded, read = load_with(scenario, set)
-    check_files(read, out=(out, SUFFIXES), plot=(plot, ()), animate=(animate, _MOVING))
+    output.check_files(read, out=(out, SUFFIXES), plot=(plot, ()), animate=(animate, _MOVING))
     pictures = plot is not None or animate is not None
     _check_times(loaded, start, stop, pictures)
     if slowdown is not None and animate is None:
@@ -130,20 +120,20 @@ def command(
         with prefixed("--animate", RuntimeError):
             stickslip.plot.moving.check_moving_format(animate)
 
-    with progress_bar() as bar:
+    with output.progress_bar() as bar:
         run = simulate(loaded, progress=bar, until=until, out=out)
     # Before what may find a disk full: nobody simulates it again.
     if as_json:
-        print_json(run.summary())
+        output.print_json(run.summary())
     else:
-        print_rows(_rows(run))
+        output.print_rows(_rows(run))
     if not run.ok:
-        say(f"stickslip: the simulation failed: {run.status}, {run.message}", err=True)
+        output.say(f"stickslip: the simulation failed: {run.status}, {run.message}", err=True)
 
-    done = run.ok and drawn("--plot", plot, save_plot("run", run, start, stop))
-    with progress_bar() as bar:
+    done = run.ok and output.drawn("--plot", plot, output.save_plot("run", run, start, stop))
+    with output.progress_bar() as bar:
         shown = (run, start, stop, slowdown)
-        done &= drawn(
+        done &= output.drawn(
             "--animate", animate, lambda to: stickslip.plot.animation(*shown).save(to, bar)
         )
     return 0 if done else 1

@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-import asyncio
-import contextlib
-import importlib
 import json
-import logging
 import math
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,22 +12,17 @@ import click
 import stickslip
 from stickslip._util.columns import write_frame
 from stickslip.cli import options, output
-from stickslip.cli.loading import load_with
 from stickslip.errors import ScenarioError
-from stickslip.extras import naming_the_extra
+from stickslip.scenario.scenario import load_with
 from stickslip.simulation.notes import lines_of_json
 from stickslip.simulation.quantities import ASKED
 from stickslip.simulation.run import SUFFIXES
 from stickslip.simulation.seen_from_drive import shown_velocities
+from stickslip.sweeping.cluster import open_cluster
 
 if TYPE_CHECKING:
-    from concurrent.futures import Executor
-
     import xarray
     from pandas import DataFrame
-
-_PATIENCE = 4.0
-"""Time to reach a scheduler, s. Chosen: as long as a user waits."""
 
 _SHOWN = ("theta_min", "theta_max", "slip_up", "slip_down", "airborne_fraction")
 
@@ -66,12 +56,7 @@ _SHOWN = ("theta_min", "theta_max", "slip_up", "slip_down", "airborne_fraction")
     "while the sweep goes on, or .csv at its end.",
 )
 @click.option("--resume", is_flag=True, help="Go on with the sweep that --out holds, if any.")
-@click.option(
-    "--plot",
-    type=options.PATH,
-    help="Draw the mean velocities, lines over one number or a map over two: .png, .pdf, .svg and "
-    "others.",
-)
+@options.plot_option("the mean velocities, lines over one number or a map over two")
 @options.JSON
 def command(
     scenario: Path,
@@ -96,10 +81,9 @@ def command(
     if out is not None and out.exists() and not resume:
         more = "" if as_csv else ", or go on with it by --resume"
         raise ScenarioError(f"--out: {out} already exists; choose another name{more}")
-    if plot is not None:
-        options.check_drawable(vary, 2)
+    options.check_drawable(plot, vary, 2)
     count = math.prod(map(len, vary.values()))
-    with output.progress_bar(count) as bar, _cluster(dask) as executor:
+    with output.progress_bar(count) as bar, open_cluster(dask) as executor:
         how: dict[str, Any] = {"threads": threads, "executor": executor, "resume": resume}
         data = stickslip.sweep(loaded, vary, out=None if as_csv else out, progress=bar, **how)
     table = stickslip.sweep_dataframe(data)
@@ -114,37 +98,6 @@ def command(
         output.say(f"stickslip: {failed} of {count} points failed; the first: {first}", err=True)
     done = failed < count and output.drawn("--plot", plot, output.save_plot("velocity", data))
     return 0 if done else 1
-
-
-@contextlib.contextmanager
-def _cluster(address: str | None) -> Iterator[Executor | None]:
-    """An executor of the cluster whose scheduler has this address; None without an address."""
-    if address is None:
-        yield None
-        return
-    with naming_the_extra("--dask"):
-        distributed = importlib.import_module("distributed")
-    # Else it logs about an address that does not answer, beside the one line of the error.
-    logging.getLogger("distributed").setLevel(logging.CRITICAL + 1)
-
-    async def identity() -> Any:  # a client of what does not answer waits for ever
-        async with distributed.rpc(address) as scheduler:
-            return await asyncio.wait_for(scheduler.identity(), _PATIENCE)
-
-    try:
-        asyncio.run(identity())
-        client = distributed.Client(address, timeout=_PATIENCE, set_as_default=False)
-        client.wait_for_workers(1, timeout=_PATIENCE)
-    except Exception as error:  # which depends on what the address is
-        reason = str(error) or "it does not answer"
-        raise ScenarioError(f"--dask {address}: there is no cluster: {reason}") from None
-    with client:
-        try:
-            yield client.get_executor()
-        except (ScenarioError, OSError):
-            raise
-        except Exception as error:  # of a worker
-            raise OSError(f"--dask {address}: {type(error).__name__}: {error}") from None
 
 
 def _as_dict(data: xarray.Dataset, table: DataFrame) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stickslip._util.files import file_names, write_together
-from stickslip._util.html import ShownBySummary, page_text
+from stickslip._util.html import page_text
 from stickslip._util.messages import refuse
 from stickslip._util.text import printable
 from stickslip.diagnosis.decision.facts import Facts
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Diagnosis(Facts, ShownBySummary):
+class Diagnosis(Facts):
     """Result of a diagnosis of a measurement, or of data with a model of one's own.
 
     The *recalibrated* model has its constants fitted within their priors. The *extended* model has

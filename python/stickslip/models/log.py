@@ -3,32 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+import re
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from itertools import product
 from os import PathLike
+from types import SimpleNamespace
 from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 
-from stickslip._util.arrays import Array
+from stickslip._util.arrays import Array, to_si
 from stickslip._util.clocks import JUMP, times
 from stickslip._util.columns import Column, Source, SourceTable, limits
 from stickslip._util.messages import refuse, shown
 from stickslip._util.note import Note
 from stickslip._util.recipes import Entry, Match, Recipe, per_heading, refuse_twice
 from stickslip._util.text import counted, plain
-from stickslip._util.units import (
-    SI,
-    Units,
-    ended,
-    is_of,
-    is_unit,
-    same_unit,
-    split_unit,
-    to_si,
-    zero_of,
-)
+from stickslip._util.units import SI, Units, same_unit, split_unit, zero_of
+from stickslip.diagnosis.data.columns import Heading, describe_table
 from stickslip.diagnosis.data.readings import counted_on
 from stickslip.diagnosis.data.series import Series
 from stickslip.errors import ScenarioError
@@ -38,6 +32,7 @@ _ALSO = {_TIME: ("time", "timestamp", "unix", "unix time", "datetime", "clock", 
 """Further names of columns."""
 
 _CUT = "cut the log into two files there"
+_REMEDY = re.compile(r'call one "[^"]+"(?: or "[^"]+")*|--set \w+=\w+(?:,\w+)?|--units "[^"]+"')
 
 _ASKED = {"set", "setpoint", "sp", "target", "ref", "reference", "demand", "desired", "goal", "cmd",
           "command", "commanded", "soll"}  # fmt: skip
@@ -88,20 +83,22 @@ class Columns(NamedTuple):
 
 
 @dataclass(frozen=True)
-class _Log(Recipe):
+class LogRecipe(Recipe):
     """The recipe of a log of a model: its columns are known by their names, or by their units.
 
     A column is known in whatever case; ``speed_rpm`` states its unit, too. One that states its unit
     comes before a bare counter. `wanted` is what the model takes, `also_reads` are quantities that
     it could read and their units, and `units` are those that the caller states, see `read_log`.
+    `wrong` says by column why it is refused.
     """
 
     wanted: Columns = field(kw_only=True)
     also_reads: Mapping[str, str] = field(default_factory=dict)
     units: Units = None
+    wrong: dict[str, ScenarioError] = field(default_factory=dict)
 
     @staticmethod
-    def of_model(model: Any, units: Units) -> _Log:
+    def of_model(model: Any, units: Units) -> LogRecipe:
         """The recipe of a model's logs."""
         wanted = getattr(model, "columns", None)
         if not isinstance(wanted, Columns):
@@ -112,14 +109,16 @@ class _Log(Recipe):
         entries = {name: Entry(each[0], (*_ALSO.get(name, ()), *wanted.also.get(name, ())),
                                clock=name == _TIME)
                    for name, each in wanted.units.items()}  # fmt: skip
-        return _Log(entries, wanted=wanted, also_reads=reads, units=units)
+        return LogRecipe(entries, wanted=wanted, also_reads=reads, units=units)
 
     def matched(self, headings: Sequence[str]) -> list[Match]:
-        """The meaning of each column; a ScenarioError names one that is missing, or may be two."""
-        refuse_twice(headings)
-        refuse_twice([name for name in (split_unit(text)[0] for text in headings)
-                      if name in self.entries])  # fmt: skip
-        found = self.found(self._with_units([_Heading.of(text) for text in headings]))
+        """The meaning of each column; one that is missing, or may be two, is `wrong`."""
+        there = [Heading.of(text) for text in headings]
+        with self.keep_reason("units"):
+            refuse_twice([name if (name := split_unit(text)[0]) in self.entries else text
+                          for text in headings])  # fmt: skip
+            self._take_units(there)
+        found = self.found(there)
         # Another column may have the name of one that stated its unit behind it.
         made = [Match(text, f"{text} (beside)" if text in found else text, known=False)
                 for text in headings]  # fmt: skip
@@ -127,14 +126,23 @@ class _Log(Recipe):
             si = heading.si(self.wanted.units[name])
             in_si = heading.unit is None and self.units == SI and name != _ERROR
             unit = si if in_si else heading.unit
-            per = 1.0 if unit is None else per_heading(heading.text, unit, si)
-            made[k] = Match(heading.text, name, si, unit, per, clock=name == _TIME)
+            with self.keep_reason(name):
+                per = 1.0 if unit is None else per_heading(heading.text, unit, si)
+                made[k] = Match(heading.text, name, si, unit, per, clock=name == _TIME)
         return made
 
-    def _with_units(self, there: list[_Heading]) -> list[_Heading]:
-        """Headings with the units that the caller states; a ScenarioError names a wrong one."""
+    @contextmanager
+    def keep_reason(self, column: str) -> Iterator[None]:
+        """Keep why a column is refused."""
+        try:
+            yield
+        except ScenarioError as error:
+            self.wrong.setdefault(column, error)
+
+    def _take_units(self, there: list[Heading]) -> None:
+        """Give headings the units that the caller states; a ScenarioError names a wrong one."""
         if self.units in (None, SI):
-            return there
+            return
         if not isinstance(self.units, Mapping):
             refuse("units", self.units, f'"{SI}", or units by column, such as {{"speed": "rpm"}}')
         for name, unit in self.units.items():
@@ -146,14 +154,13 @@ class _Log(Recipe):
             if not isinstance(unit, str) or own not in (None, unit):
                 refuse(f"units: {name}", unit, own or "the text of a unit, such as rad/s")
             there[of[0]] = there[of[0]]._replace(unit=unit)
-        return there
 
-    def check_units(self, table: SourceTable, dated: bool) -> None:
-        """Refuse columns that state no unit, with the line that states it; `dated` times do."""
+    def check_units(self, table: SourceTable) -> None:
+        """Refuse columns that state no unit, with the line that states it; dates do."""
         units = {each.what.heading: self.wanted.units[name][0]
                  for name, each in table.known.items() if each.what.unit is None
                  and "-" not in self.wanted.units[name] and name != _ERROR
-                 and not (name == _TIME and dated)}  # fmt: skip
+                 and not (name == _TIME and np.isnan(each.values).all())}  # fmt: skip
         if units:
             several, heads = ("s", "") if len(units) > 1 else ("", "s")
             names, written = ", ".join(map(shown, units)), ", ".join(
@@ -166,76 +173,80 @@ class _Log(Recipe):
             )
 
     def check(self, columns: Sequence[Match]) -> None:
-        """Nothing more: what is missing was told by `matched`, and no name is a slip here."""
+        """Refuse what `matched` found wrong; no name is a slip here."""
+        for error in () if self.lenient else self.wrong.values():
+            raise error
 
-    def found(self, there: Sequence[_Heading]) -> dict[str, tuple[int, _Heading]]:
+    def found(self, there: Sequence[Heading]) -> dict[str, tuple[int, Heading]]:
         """Headings, and their places, by the column that they are."""
-        found: dict[str, tuple[int, _Heading]] = {}
+        found: dict[str, tuple[int, Heading]] = {}
         for column, units in self.wanted.units.items():
             names = (plain(column), *self.entries[column].also)
             named = [(k, each) for k, each in enumerate(there) if plain(each.name) in names]
             named += [(k, way) for k, each in enumerate(there)
-                      for way in (_Heading(each.text, *parts) for parts in ended(each.text))
-                      if plain(way.name) in names and way.fits(units)]  # fmt: skip
+                      if (way := each.find_unit(units)) and plain(way.name) in names]  # fmt: skip
             if named:
                 rank = [(each.unit is None, names.index(plain(each.name))) for _, each in named]
                 best = rank.index(min(rank))
                 also = {named[k][0] for k, one in enumerate(rank) if one == rank[best]}
-                if len(also) > 1:
-                    both = " and ".join(shown(there[k].text) for k in sorted(also)[:2])
-                    raise ScenarioError(f"columns {both} may both be {column}: allowed is one")
                 found[column] = named[best]
-                self._check_meaning(column, found[column][1], there)
-                if column in self.wanted.drives and not found[column][1].fits(units):
-                    self._check_needs([found[column][1]])
-        first = next(iter(self.wanted.inputs), None)
-        for column in (_TIME, self.wanted.reads, *self.wanted.inputs)[:3]:
+                with self.keep_reason(column):
+                    if len(also) > 1:
+                        both = " and ".join(shown(there[k].text) for k in sorted(also)[:2])
+                        raise ScenarioError(f"columns {both} may both be {column}: allowed is one")
+                    self._check_meaning(column, found[column][1], there)
+                    if column in self.wanted.drives and not found[column][1].fits(units):
+                        self._check_needs([found[column][1]])
+        inputs = self.wanted.inputs
+        first, by_unit = next(iter(inputs), None), (_TIME, self.wanted.reads, *inputs)[:3]
+        required = {*by_unit[:2], *self.wanted.constants, *self.wanted.drives[:1],
+                    *(inputs if self.wanted.needed else ())}  # fmt: skip
+        for column in (_TIME, self.wanted.reads, *inputs):
             if column in found or (column == first and found.keys() & {*self.wanted.drives}):
                 continue
             taken = {k for k, _ in found.values()}
             units = self.wanted.units[column]
-            fit = [(k, each) for k, each in enumerate(there) if k not in taken and each.fits(units)
+            ways = [each if each.unit else each.find_unit(units) or each for each in there]
+            fit = [(k, each) for k, each in enumerate(ways) if column in by_unit
+                   and k not in taken and each.fits(units)
                    and (column == first or not each.words & _ASKED)]  # fmt: skip
             if len(fit) == 1:
                 found[column] = fit[0]
-            elif fit or column != first or self.wanted.drives:
-                self._missing(column, there, taken)
-        for column in self.wanted.inputs:
-            needed = self.wanted.needed or column in self.wanted.constants
-            if column not in found and needed:
-                self._missing(column, there, {k for k, _ in found.values()})
+            elif fit or column in required:
+                with self.keep_reason(column):
+                    self._missing(column, there, taken)
         return found
 
-    def _check_needs(self, there: Sequence[_Heading]) -> None:
+    def _check_needs(self, there: Sequence[Heading]) -> None:
         """Refuse a column of what drives the model only if more is stated of it."""
         for each, (name, (units, remedy)) in product(there, self.wanted.needs.items()):
             is_called = each.unit is None and plain(each.bare).split()[-1:] == [name]
             if is_called or each.fits(units.split(" or ")):
                 raise ScenarioError(f"column {shown(each.text)} is a {name}: {remedy}")
 
-    def _check_meaning(self, column: str, found: _Heading, there: Sequence[_Heading]) -> None:
+    def _check_meaning(self, column: str, found: Heading, there: Sequence[Heading]) -> None:
         """Refuse a name beside one of the same that was read: it may be what was asked for."""
         if column not in (self.wanted.reads, *self.wanted.inputs):
             return
-        for each in there:
+        units = self.wanted.units[column]
+        for each in (heading.find_unit(units) or heading for heading in there):
             rest = each.words - {*plain(column).split()}
-            fits = each.unit is None or each.fits(self.wanted.units[column])
-            if each is not found and rest and rest <= _READ and each.words != rest and fits:
-                unit = self.wanted.units[column][0]
+            fits = each.unit is None or each.fits(units)
+            if each.text != found.text and rest and rest <= _READ and each.words != rest and fits:
+                call = self._call(column, (found, each))
                 raise ScenarioError(
                     f"columns {shown(found.text)} and {shown(each.text)} may both be the {column}: "
-                    f'call the one to be used "{column} ({unit})", and the other what it is, such '
-                    f'as "{column} setpoint"'
+                    f'call the one to be used {call}, and the other what it is, such as "{column} '
+                    'setpoint"'
                 )
 
-    def _missing(self, name: str, there: Sequence[_Heading], taken: Collection[int]) -> NoReturn:
+    def _missing(self, name: str, there: Sequence[Heading], taken: Collection[int]) -> NoReturn:
         if name in self.wanted.drives:
             self._check_needs(there)
-        units, have = self.wanted.units[name], ", ".join(shown(each.text) for each in there)
+        have = ", ".join(shown(each.text) for each in there)
         free = [each for k, each in enumerate(there) if k not in taken]
-        # One that states another quantity is not to be called so.
-        could = any(each.unit is None or each.fits(units) for each in free)
-        call, more = f': call one "{name} ({units[0]})"' if could else "", ""
+        called, more = self._call(name, free), ""
+        call = f": call one {called}" if called else ""
         other = self._other_reading(free) if name == self.wanted.reads else None
         if other:
             call, more = "", f'; with reads="{other}" (--set reads={other}) the model reads that'
@@ -248,7 +259,15 @@ class _Log(Recipe):
             f"allowed are {self.wanted}, or the same in other units{more}"
         )
 
-    def _other_reading(self, there: Sequence[_Heading]) -> str | None:
+    def _call(self, column: str, there: Iterable[Heading]) -> str:
+        """Return what to call one of some headings for a column, in the unit that it states."""
+        units = self.wanted.units[column]
+        ways = [each if each.unit else each.find_unit(units) or each for each in there]
+        # One that states another quantity is not to be called so.
+        fit = [way for way in ways if way.fits(units)] or [way for way in ways if way.is_open]
+        return " or ".join(dict.fromkeys(f'"{column} ({way.unit or units[0]})"' for way in fit))
+
+    def _other_reading(self, there: Sequence[Heading]) -> str | None:
         """What the model could read of some columns: by a name, or else by another unit."""
         pairs = [*product(self.also_reads.items(), there)]
         named = (name for (name, unit), each in pairs if plain(each.bare) in (
@@ -261,19 +280,19 @@ class _Log(Recipe):
         """On columns that were told by their unit, or are missing, or are not used."""
         notes = table.many_gaps()
         for name, column in table.known.items():
-            heading = _Heading.of(column.what.heading)
+            heading = Heading.of(column.what.heading)
             named = {plain(name), *self.entries[name].also}
             if named.isdisjoint({plain(heading.name), plain(heading.bare)}):
                 notes.append(Note("column-by-unit", f"{shown(heading.text)} is taken for {name}."))
-        others = [_Heading.of(text) for text in table.others]
+        others = [Heading.of(text) for text in table.others]
         first = next(iter(self.wanted.inputs), "")
         if first and not table.known.keys() & {first, *self.wanted.drives}:
             notes.append(Note("no-input", f"There is no column {first}: it is taken as 0."))
             units = self.wanted.inputs[first]
             fit = [each for each in others if each.unit is None or each.fits(units)]
             if fit:
-                heads, unit = " or ".join(shown(each.text) for each in fit), fit[0].unit
-                text = f'If {heads} is the {first}, call it "{first} ({unit or units[0]})".'
+                heads = " or ".join(shown(each.text) for each in fit)
+                text = f"If {heads} is the {first}, call it {self._call(first, fit)}."
                 notes.append(Note("other-name", text))
         for each in others:
             if plain(each.name) == "error":
@@ -283,42 +302,26 @@ class _Log(Recipe):
         return [*notes, *table.notes, *table.not_used()]
 
 
-class _Heading(NamedTuple):
-    """A heading, its name, and its unit if it states one."""
+def explain_log(source: Source, model: Any, units: Units) -> tuple[list[str], list[str]]:
+    """Describe how the columns of a log are understood, and what a model needs besides.
 
-    text: str
-    name: str
-    unit: str | None
-
-    @staticmethod
-    def of(text: str) -> _Heading:
-        """A heading by its text; ``_time`` or ``%time`` is a time, and ``rpm`` alone is a unit."""
-        name, unit = split_unit(text)
-        bare = unit is None and len(name) > 2 and is_unit(name)
-        return _Heading(text, name.strip("_%"), name if bare else unit)
-
-    @property
-    def words(self) -> set[str]:
-        """The words of its name."""
-        return {*plain(self.name).split()}
-
-    @property
-    def bare(self) -> str:
-        """Its name without a unit behind an underscore or a blank."""
-        return next((name for name, _ in ended(self.name)), self.name)
-
-    def si(self, units: Sequence[str]) -> str:
-        """The one of the units that its own is of; the first of them, if of none."""
-        return next((each for each in units if self.unit and is_of(self.unit, each)), units[0])
-
-    def fits(self, units: Sequence[str]) -> bool:
-        """Whether it states one of the units, or one of the same quantity."""
-        return any(self.unit and is_of(self.unit, each) for each in units if each != "-")
+    The first reason of a refusal is left out where no option or heading helps.
+    """
+    bare = SimpleNamespace(columns=Columns("", "-", {}))
+    recipe = replace(LogRecipe.of_model(model or bare, units), lenient=True)
+    wanted, table = recipe.wanted, source.read(recipe)
+    with recipe.keep_reason("unit"):
+        recipe.check_units(table)
+    means = {name: f"input: {name}" for name in wanted.inputs}
+    means |= {_TIME: "time", _ERROR: "error of a reading", wanted.reads: f"reading: {wanted.reads}"}
+    wrong = [str(error) for error in recipe.wrong.values()] if model else []
+    needed = [", or ".join(_REMEDY.findall(text)) or text for text in wrong]
+    return describe_table(table, means), [text for text in needed if text not in wrong[:1]]
 
 
 def read_in(source: Source, quantities: Sequence[str]) -> str | None:
     """The first of some quantities that is a column of a log."""
-    heads = [_Heading.of(text) for text in source.headings(quantities)]
+    heads = [Heading.of(text) for text in source.headings(quantities)]
     return next((name for name in quantities for each in heads
                  if plain(name) in (plain(each.name), plain(each.bare))), None)  # fmt: skip
 
@@ -357,11 +360,11 @@ def read_log(path: str | PathLike[str] | Any, model: object, units: Units = None
         than 20 of its steps.
     """
     source = path if isinstance(path, Source) else Source(path)
-    recipe = _Log.of_model(model, units)
+    recipe = LogRecipe.of_model(model, units)
     wanted, table = recipe.wanted, source.read(recipe)
     notes = recipe.notes(table)
-    t, told, dated = times(table.columns[_TIME], table.path, table.lines)
-    recipe.check_units(table, dated)
+    t, told = times(table.columns[_TIME], table.path, table.lines)
+    recipe.check_units(table)
     table, t = _whole_rows(table, t, wanted, notes)
     values = _readings(table, wanted, notes)
     notes += told
@@ -390,11 +393,10 @@ def _readings(table: SourceTable, wanted: Columns, notes: list[Note]) -> dict[st
     if beyond:
         text = f"{table.at(beyond)}: {shown(read.cell(beyond[0]))} is a limit and no reading."
         notes.append(Note("limits", text, len(beyond)))
-    for name in wanted.inputs:
-        if name in values:
-            at = f"{columns[name].what.heading}: "
-            values[name], told = counted_on(at, values[name], columns[name].what.si)
-            notes += told
+    for name in values.keys() & wanted.inputs.keys():
+        at = f"{columns[name].what.heading}: "
+        values[name], told = counted_on(at, values[name], columns[name].what.si)
+        notes += told
     return values
 
 
@@ -452,8 +454,7 @@ def _check_clock(table: SourceTable, t: Array) -> None:
     for k in np.flatnonzero(~(steps >= 0.0) | (steps > JUMP * abs(usual)))[:1].tolist():
         at = f"{table.path}: {table.word} {table.lines[k + 1]}, column t = {t[k + 1]:.12g} s"
         if not steps[k] > 0.0:
-            after = f"a time after {t[k]:.12g} s"
-            raise ScenarioError(f"{at}: allowed is {after}: sort the rows, or {_CUT}")
+            raise ScenarioError(f"{at}: allowed is a later time: sort the rows, or {_CUT}")
         raise ScenarioError(
             f"{at}: the clock jumps by {steps[k]:.6g} s, and allowed are {JUMP:g} of its steps of "
             f"{usual:.3g} s: {_CUT}"

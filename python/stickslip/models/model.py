@@ -495,7 +495,7 @@ def _value(at: str, given: object) -> float | Prior:
     if is_number(given) and math.isfinite(given):
         return float(given)
     with prefixed(at):
-        if isinstance(given, tuple) and len(given) == 2:
+        if isinstance(given, tuple | list) and len(given) == 2:
             return Prior("normal", *given)
         prior = Prior.of_table(given) if isinstance(given, Mapping) else None
     if prior is not None:

@@ -28,28 +28,6 @@ _PERIODS = 2.0
 cutoff the middle half of a record keeps half of the power to a tenth; with 5, to a hundredth."""
 
 
-@dataclass(frozen=True, repr=False, eq=False)
-class _OneByOne(OneLine):
-    """A model that is asked about one vector after another."""
-
-    function: Callable[[Any, dict[str, float]], ArrayLike]
-
-    def __call__(self, table: Table, p: Mapping[str, Array]) -> Array:
-        inputs = table.inputs if isinstance(table, Series) else {}
-        many = [name for name, array in inputs.items() if array.ndim == 2]
-        vectors = max((len(array) for array in p.values()), default=1)
-        rows = []
-        for k in range(vectors):
-            single = {name: inputs[name][k] for name in many}
-            seen = table.with_inputs(single) if single and isinstance(table, Series) else table
-            values = {name: float(column[k, 0]) for name, column in p.items()}
-            made = self.function(seen, values)
-            if made is None:
-                return None
-            rows.append(numbers("model: its answer", made, gaps=True, finite=False))
-        return np.array(rows)
-
-
 def vectorised(function: Callable[[Any, dict[str, float]], ArrayLike]) -> Callable[..., Array]:
     """A model of one vector of parameters as `diagnose_model` asks for it.
 
@@ -66,7 +44,23 @@ def vectorised(function: Callable[[Any, dict[str, float]], ArrayLike]) -> Callab
     """
     if not callable(function):
         refuse("vectorised", function, "a function of (table, p)")
-    return _OneByOne(function)
+
+    def predict(table: Table, p: Mapping[str, Array]) -> Array:
+        inputs = table.inputs if isinstance(table, Series) else {}
+        many = [name for name, array in inputs.items() if array.ndim == 2]
+        vectors = max((len(array) for array in p.values()), default=1)
+        rows = []
+        for k in range(vectors):
+            single = {name: inputs[name][k] for name in many}
+            seen = table.with_inputs(single) if single and isinstance(table, Series) else table
+            values = {name: float(column[k, 0]) for name, column in p.items()}
+            made = function(seen, values)
+            if made is None:
+                return None
+            rows.append(numbers("model: its answer", made, gaps=True, finite=False))
+        return np.array(rows)
+
+    return predict
 
 
 @dataclass(frozen=True, repr=False, eq=False)

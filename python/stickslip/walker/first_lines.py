@@ -5,16 +5,15 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from pathlib import Path
 
-from stickslip._util.cells import INSTRUMENTS_PAGE, CsvTable
-from stickslip._util.columns import MOST_BYTES
-from stickslip._util.files import read_bytes
+from stickslip._util.cells import INSTRUMENTS_PAGE
+from stickslip._util.columns import Source
 from stickslip._util.text import literal, printable
 from stickslip._util.units import split_unit
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import known_keys
 from stickslip.walker.read_velocity import settings, velocities
 
-_SUFFIXES = (".csv", ".tsv", ".txt", ".dat")
+_SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".xlsx")
 """Names of tables; a file with another one is a table if its columns are those of one."""
 
 _FEW = 12  # columns that an error names; chosen
@@ -57,7 +56,7 @@ def refuse_table(path: Path, required: Mapping[str, Collection[str]]) -> None:
     """
     known = [*known_keys(), *(name for names in required.values() for name in names)]
     try:
-        header = CsvTable(read_bytes(path, MOST_BYTES, "table"), known).header
+        header = Source(path).csv(known).header
     except ScenarioError:
         return
     there = [split_unit(heading)[0] for heading in header]

@@ -21,7 +21,7 @@ from stickslip._util.arrays import (
     locked,
     root_mean_square,
     row,
-    unit_carried,
+    without_unit,
 )
 from stickslip._util.messages import known_arguments, refuse, shown
 from stickslip._util.note import Note
@@ -234,23 +234,26 @@ class Series(Table):
             return [self]
         changed = np.any([np.diff(row) != 0.0 for row in base.inputs.values()], axis=0)
         gaps = np.flatnonzero(changed & (np.diff(base.t) > GAP * base.step)) + 1
-        made, kept = [], np.arange(len(self)) if self.whole is None else self.kept
-        for a, b in itertools.pairwise((0, *gaps.tolist(), len(base))):
-            here, rows = (kept >= a) & (kept < b), np.arange(len(base))
-            part = self.having(rows=self.rows[here], kept=kept[here] - a)
-            part._take(self.t, self.y, self.inputs, self.errors.sd if self.stated else None, here)
-            if self.whole is not None:
-                part.whole = base.having(rows=rows[a:b])
-                part.whole._take(
-                    base.t, base.y, base.inputs, base.errors.sd, (rows >= a) & (rows < b)
-                )
-            if a:
-                text = f"{self.at}no row is between {base.t[a - 1]:.6g} and {base.t[a]:.6g} s, where an "
-                text += "input changed: readings behind this gap start anew."
-                part.own_notes = (Note("gap", text, float(base.t[a] - base.t[a - 1])),)
-                part = part.named(f"{self.name or 'log'} from {base.t[a]:.6g} s")
-            made.append(part)
-        return [part for part in made if len(part)]
+        cuts = itertools.pairwise((0, *gaps.tolist(), len(base)))
+        return [part for part in itertools.starmap(self._part, cuts) if len(part)]
+
+    def _part(self, begin: int, end: int) -> Series:
+        """The rows of the whole record from one to another."""
+        base = self.whole if isinstance(self.whole, Series) else self
+        row, kept = np.arange(len(base)), np.arange(len(self)) if self.whole is None else self.kept
+        here, there = ((each >= begin) & (each < end) for each in (kept, row))
+        part = self.having(rows=self.rows[here], kept=kept[here] - begin)
+        part._take(self.t, self.y, self.inputs, self.errors.sd if self.stated else None, here)
+        if base is not self:
+            part.whole = base.having(rows=row[there])
+            part.whole._take(base.t, base.y, base.inputs, base.errors.sd, there)
+        if begin:
+            before, after = base.t[begin - 1 : begin + 1].tolist()
+            text = f"{self.at}no row is between {before:.6g} and {after:.6g} s, where an input "
+            text += "changed: readings behind this gap start anew."
+            part = part.having(own_notes=(Note("gap", text, after - before),))
+            part = part.named(f"{self.name or 'log'} from {after:.6g} s")
+        return part
 
     def signal(self, name: str, held: bool) -> Signal:
         """An input as it acts, where it is held between readings or else a line."""
@@ -285,7 +288,7 @@ def _before_events(at: str, t: Array, y: Array) -> tuple[Array, Indices]:
 
 def _unit_of_input(values: ArrayLike, unit: str) -> str | None:
     """The unit that an input is taken in: SI, or of temperatures that of the readings."""
-    carried = unit_carried(values)
+    carried = without_unit(values)[1]
     if carried is None:
         return None
     si = quantity_of(carried)

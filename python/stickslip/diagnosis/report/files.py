@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import platform
 import re
 import shlex
@@ -17,7 +18,7 @@ import scipy
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from stickslip._util.files import check_folder, sha256_of, text_writer, write_together
+from stickslip._util.files import check_folder, text_writer, write_together
 from stickslip._util.html import VERSION, page_text, svg
 from stickslip._util.palette import BLUE, DARK_GREY, VERMILION
 from stickslip._util.text import json_text
@@ -101,7 +102,6 @@ def _checksum(path: Path) -> str:
     try:
         if not path.is_file():
             return "no ordinary file, so without a checksum"
-        with path.open("rb") as file:
-            return f"SHA-256 {sha256_of(file)}"
+        return f"SHA-256 {hashlib.sha256(path.read_bytes()).hexdigest()}"
     except OSError:
         return "cannot be read any more"
