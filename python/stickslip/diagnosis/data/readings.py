@@ -8,7 +8,7 @@ range. Each is told from the readings alone, before any search, with one note.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -60,8 +60,8 @@ class Sifted:
     notes: tuple[Note, ...] = ()
 
 
-def sifted(at: str, t: Array, y: Array, unit: str) -> Sifted:
-    """Find the rows of a record that are readings."""
+def sifted(at: str, t: Array, y: Array, unit: str, acting: Iterable[Array]) -> Sifted:
+    """Find the rows of a record that are readings, with what is `acting` on it."""
     y, notes = counted_on(at, y, unit)
     kept = np.ones(len(y), dtype=bool)
     for made, text in (
@@ -81,7 +81,7 @@ def sifted(at: str, t: Array, y: Array, unit: str) -> Sifted:
         notes.append(Note(CLIPPED if many else "limits",
                           f"{text}{'' if many else ', and are left out'}.", len(gone)))  # fmt: skip
         kept[gone] = many
-    averaged = _averaged(t, y) if kept.all() else 1
+    averaged = _averaged(t, y, acting) if kept.all() else 1
     if averaged > 1:
         row = np.arange(len(y))
         kept[:] = ((row + 1) % averaged == 0) & (row + averaged // 2 < len(y))
@@ -138,19 +138,22 @@ def _rounding(y: Array) -> float:
     return 100.0 * np.finfo(float).eps * float(np.max(np.abs(y)))
 
 
-def _averaged(t: Array, y: Array) -> int:
+def _averaged(t: Array, y: Array, acting: Iterable[Array]) -> int:
     """How many rows a logger has averaged for each, by the zeros of the mean's spectrum; 1 if none.
 
     About each zero, a spectrum that falls evenly is compared with such a one times that of a mean.
     """
     count, steps = len(y) - 1, np.diff(t)
+    # An input that is new every so many rows has the zeros of a mean of as many.
+    held = {int(np.median(np.diff(at))) for row in acting
+            if len(at := np.flatnonzero(np.diff(row))) > 1}  # fmt: skip
     if count < _FEWEST or np.ptp(steps) > 0.5 * np.median(steps):
         return 1
     change = np.diff(y) - np.median(np.diff(y))
     power = np.log(np.abs(np.fft.rfft(change * np.hanning(count + 2)[1:-1])) ** 2 + 1e-300)
     place = np.arange(len(power)) / count
     wave, gain = np.sin(np.pi * np.maximum(place, 1.0 / count)), {1: _DEEP}
-    for width in range(3, min(_LONGEST, count // 10) + 1):
+    for width in {*range(3, min(_LONGEST, count // 10) + 1)} - held:
         mean = (np.sin(np.pi * place * width) / (width * wave)) ** 2
         mean = np.log(mean + 1e-4 + (0.7 * np.pi / count / wave) ** 2)  # leaks through the window
         cell = np.floor(place * width + 0.5).astype(int)

@@ -128,7 +128,8 @@ class Series(Table):
         self.own_notes = (*notes, *without_gaps(self.at, gap))
         gap[events] = True
         sound = np.flatnonzero(~gap)
-        for lost in alike_and_lost(readings[sound], [each[sound] for each in acting.values()]):
+        acted = [values[sound] for values in acting.values()]
+        for lost in alike_and_lost(readings[sound], acted):
             self.own_notes += (_lost(self.at, readings, sound[lost]),)
             if self.own_notes[-1].code != LOST_SENSOR:
                 gap[sound[lost]] = True
@@ -137,8 +138,9 @@ class Series(Table):
             self.own_notes += (Note("wild-reading", text, float(readings[k])),)
             gap[k] = True
         sound = np.flatnonzero(~gap)
+        acted = [values[sound] for values in acting.values()]
         if LOST_SENSOR not in {note.code for note in self.own_notes}:
-            found = sifted(self.at, times[sound], readings[sound], unit)
+            found = sifted(self.at, times[sound], readings[sound], unit, acted)
             readings[sound], self.own_notes = found.y, (*self.own_notes, *found.notes)
             gap[sound[~found.kept]] = True
             self.window = range(1 - found.averaged, 1)
