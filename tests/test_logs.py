@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
@@ -666,3 +667,14 @@ def test_what_may_be_two_things_is_refused(case, tmp_path):
     (tmp_path / "a.csv").write_text(text)
     with pytest.raises(ScenarioError, match=said):
         read(tmp_path / "a.csv", model)
+
+
+@pytest.mark.parametrize("index", ["t (s)", "time_ms", "dates", "durations", "days of a zone"])
+def test_times_in_the_index_of_a_frame_are_a_column(index):
+    first = pd.Timestamp("2026-05-01", tz="Europe/Zurich" if "zone" in index else None)
+    since = pd.to_timedelta(T, unit="s")
+    times = {"t (s)": T, "time_ms": 1e3 * T, "durations": since}.get(index, first + since)
+    frame = pd.DataFrame({"torque (N m)": TORQUE, "speed (rad/s)": T}).set_index(
+        pd.Index(times, name=index if index[0] == "t" else None)
+    )
+    assert models.read_log(frame, JOINT).t == pytest.approx(T, abs=1e-6)

@@ -63,6 +63,7 @@ _SAID = {"1": True, "1.0": True, "true": True, "yes": True,
          "0": False, "0.0": False, "false": False, "no": False}  # fmt: skip
 """How columns of `VALID` say it."""
 
+_TIMES = ["t"], ["time"], ["timestamp"]  # first words of an index that is a column
 _NO_ROW = "is empty: there is no row of data below a line of column names"
 
 _BLOCK = 1 << 12  # rows; chosen: few enough for the room of their cells
@@ -263,6 +264,10 @@ class Source:
     def arrays(self) -> dict[str, Any]:
         """Columns of a table in memory by heading, with the units that these carry."""
         given = self.given
+        index = getattr(given, "index", None)
+        is_time = getattr(getattr(index, "dtype", None), "kind", "") in ("m", "M")
+        if is_time or plain(str(getattr(index, "name", ""))).split()[:1] in _TIMES:
+            given = given.rename_axis(index.name or "t").reset_index()
         if hasattr(given, "data_vars"):  # of xarray
             there = {**given.coords, **given.data_vars}
             found: dict[Any, Any] | None = {k: v for k, v in there.items() if v.ndim == 1}
