@@ -33,8 +33,14 @@ ONE, ALONE = ("rounded", "correlated", "missing"), ("AR 0.5", "AR 0.8", "mean of
 READINGS = {"rad/s": ("deg/s", 57.29578), "rad": ("deg", 57.29578), "m": ("mm", 1e3)}
 SLOW = "wheels"  # measured sets that take a quarter of an hour or more
 MILLI = "torque", "force", "command", "power"  # inputs that may be in a thousandth
-LOGGED = {"held": (2, 5), "lines": (2, 5, 20), "mixed rates": (3,), "mean": (3, 9)}
+LOGGED = {"held": (2, 5), "lines": (2, 5, 20), "mixed rates": (3,), "mean": (3, 9),
+          "clipped": (10, 25), "turns": (2, 7), "gap": (12,)}  # fmt: skip
 """How rows of a log were made of readings, each with numbers of rows."""
+
+
+TURNING = {"joint by its angle": 2, "pendulum with a moved pivot": 7, "servo": 7,
+           "servo by its duty": 7}  # fmt: skip
+"""Machines whose angle may begin anew, and after which part of a turn."""
 
 
 class Asked(NamedTuple):
@@ -171,6 +177,8 @@ def of_logged() -> Iterator[Problem]:
         plain = drawn("rows, plain", "rows", key.seed, f"{machine}, plain", asked)
         yield plain
         for how, n in ((how, n) for how, numbers in LOGGED.items() for n in numbers):
+            if (how == "gap" and not of.input) or (how == "turns" and n != TURNING.get(machine)):
+                continue
             asked = partial(_of_logged, key, how, n, plain.name)
             yield drawn(f"rows, {how}", "rows", key.seed, f"{machine}, {how} {n}", asked)
 
@@ -185,6 +193,16 @@ def _of_logged(key: made.Key, how: str, n: int, plain: str) -> Asked:
         log = log._replace(t=t, y=y, inputs={name: u[row] for name, u in log.inputs.items()})
     elif how == "mixed rates":  # inputs are read more often than the sensor
         log = log._replace(y=log.y[at - at % n])
+    elif how == "clipped":  # a part of the readings, in percent
+        log = log._replace(y=np.minimum(log.y, np.quantile(log.y, 1.0 - n / 100.0)))
+    elif how == "turns":  # so many of them are one
+        span = 2.0 * np.pi / n
+        log = log._replace(y=(log.y + 0.5 * span) % span - 0.5 * span)
+    elif how == "gap":  # in which the input switches
+        switches = np.flatnonzero(np.diff(next(iter(log.inputs.values())))) + 1
+        kept = np.abs(at + 0.5 - switches[len(switches) // 2]) > 0.5 * n
+        inputs = {name: u[kept] for name, u in log.inputs.items()}
+        log = log._replace(t=log.t[kept], y=log.y[kept], inputs=inputs)
     else:
         before = np.concatenate([np.full(n - 1, log.y[0]), log.y])
         log = log._replace(y=np.convolve(before, np.full(n, 1.0 / n), "valid"))

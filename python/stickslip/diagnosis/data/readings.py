@@ -193,13 +193,14 @@ def counted_on(at: str, y: Array, unit: str) -> tuple[Array, list[Note]]:
 def _spans(y: Array, unit: str) -> Iterator[tuple[float, str]]:
     """What readings may begin anew after, and what it is."""
     width, jumps = float(np.ptp(y)) if len(y) else 0.0, np.diff(y)
-    wide = np.flatnonzero(np.abs(jumps) > 0.5 * width)
+    is_wide = np.abs(jumps) > 0.5 * width
+    steps, wide = np.where(is_wide, 0.0, jumps), np.flatnonzero(is_wide)
     if unit == "rad":
         turn = math.tau
         yield turn, "a turn"
         inside = wide[(wide > 0) & (wide < len(jumps) - 1)]
         if len(inside) > 1:  # less how it changes before and after
-            change = jumps[inside] - 0.5 * (jumps[inside - 1] + jumps[inside + 1])
+            change = jumps[inside] - 0.5 * (steps[inside - 1] + steps[inside + 1])
             span = float(np.median(np.abs(change)))
             part = max(round(turn / span), 1) / max(round(span / turn), 1)
             yield turn / part, f"{part:g} of them a turn"
