@@ -26,7 +26,7 @@ _SHOWN = {
 
 
 _CODES = {
-    "map-background", "window-short", "pulses-short", "hidden-key", "capacitor", "voltage", "map",
+    "map-background", "map-turned", "window-short", "pulses-short", "hidden-key", "capacitor", "voltage", "map",
 }  # fmt: skip
 """Notes that concern coils."""
 

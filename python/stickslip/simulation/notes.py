@@ -11,7 +11,7 @@ from stickslip import _core
 from stickslip._util.messages import shown
 from stickslip._util.note import Note
 from stickslip.scenario.matter import left_out
-from stickslip.simulation.map_background import background
+from stickslip.simulation.map_background import map_notes
 
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
@@ -31,7 +31,7 @@ CODES = (
     "field-change", "velocity-grows", "turning", "start-up", "window-short", "pulses-short",
     "fluid", "inner",
     # Other values that are probably mistakes.
-    "map-background", "hidden-key", "prior", "capacitor",
+    "map-background", "map-turned", "hidden-key", "prior", "capacitor",
     "voltage", "density", "moment", "steep-surface", "adhesion", "tangential-restitution",
     "tolerance",
     # Facts, without a fault.
@@ -65,7 +65,7 @@ def _of_files(scenario: Scenario) -> Iterator[Note]:
         text = f"{key} = {shown(value)} has no effect: all five coils have their own values"
         yield Note("hidden-key", f"{text}, such as those of [coil.xp]", float(value))
     if scenario.coil.map is not None:
-        yield from background(scenario.coil.map)
+        yield from map_notes(scenario.coil.map)
         yield Note("map", f"the field of the coils is that of {scenario.coil.map}")
     shaken = scenario.shake.accelerations
     if shaken is not None and math.hypot(*shaken.mean) > MUCH_MEAN * shaken.most:
