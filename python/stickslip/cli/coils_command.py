@@ -26,7 +26,8 @@ _SHOWN = {
 
 
 _CODES = {
-    "map-background", "map-turned", "window-short", "pulses-short", "hidden-key", "capacitor", "voltage", "map",
+    "map-background", "map-turned", "window-short", "pulses-short", "hidden-key", "capacitor",
+    "voltage", "map",
 }  # fmt: skip
 """Notes that concern coils."""
 

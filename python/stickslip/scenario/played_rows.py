@@ -19,6 +19,9 @@ from stickslip.errors import prefixed
 
 _P = TypeVar("_P", bound="PlayedRows")
 
+_FEWEST = 4
+"""Steps from which on the neighbours of an end are others than those of the start."""
+
 
 class PlayedRows:
     """A table over one period, linear between its rows, that repeats."""
@@ -52,6 +55,18 @@ class PlayedRows:
     def most(self) -> float:
         """The largest magnitude of all numbers but the times."""
         return float(np.abs(self.rows[:, 1:]).max())
+
+    @property
+    def missing_end(self) -> float | None:
+        """The period with one more step, s, if that would join the last row to the first."""
+        step = np.diff(self.rows[:, 0])
+        if len(step) < _FEWEST or np.ptp(step) > 1e-3 * step[0]:
+            return None
+        first, second, last_but_one, last = self.rows[[0, 1, -2, -1], 1:]
+        jump = first - last
+        rough = np.linalg.norm(jump - 0.5 * (second - first + last - last_but_one))
+        joins = 0.0 < np.linalg.norm(jump) > 2.0 * rough
+        return self.period + float(step[0]) if joins else None
 
     def to_core(self) -> Array:
         """The core's form of it."""

@@ -31,7 +31,7 @@ CODES = (
     "field-change", "velocity-grows", "turning", "start-up", "window-short", "pulses-short",
     "fluid", "inner",
     # Other values that are probably mistakes.
-    "map-background", "map-turned", "hidden-key", "prior", "capacitor",
+    "map-background", "map-turned", "period-end", "hidden-key", "prior", "capacitor",
     "voltage", "density", "moment", "steep-surface", "adhesion", "tangential-restitution",
     "tolerance",
     # Facts, without a fault.
@@ -67,7 +67,7 @@ def _of_files(scenario: Scenario) -> Iterator[Note]:
     if scenario.coil.map is not None:
         yield from map_notes(scenario.coil.map)
         yield Note("map", f"the field of the coils is that of {scenario.coil.map}")
-    shaken = scenario.shake.accelerations
+    shaken, forces = scenario.shake.accelerations, scenario.inner.forces
     if shaken is not None and math.hypot(*shaken.mean) > MUCH_MEAN * shaken.most:
         x, z = shaken.mean
         text = (
@@ -75,6 +75,14 @@ def _of_files(scenario: Scenario) -> Iterator[Note]:
             "along z, is taken out, as the surface would drift away"
         )
         yield Note("shake-mean", text, math.hypot(x, z))
+    for file, played in ("shake.file", shaken), ("inner.file", forces):
+        if played is not None and (end := played.missing_end) is not None:
+            text = (
+                f"{file}: its last row is not the first again, and one more step would join them, "
+                f"so that the period of {played.period:.6g} s, its last time, may be a step too "
+                f"short; add the first row again at t = {end:.6g} s"
+            )
+            yield Note("period-end", text, end)
 
 
 def peak_voltages(scenario: Scenario) -> dict[str, float]:
