@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from stickslip import _core
 from stickslip._util.messages import shown
 from stickslip._util.note import Note
+from stickslip.scenario.keys import USUAL, known_keys
 from stickslip.scenario.matter import left_out
 from stickslip.simulation.map_background import map_notes
 
@@ -31,9 +32,9 @@ CODES = (
     "field-change", "velocity-grows", "turning", "start-up", "window-short", "pulses-short",
     "fluid", "inner",
     # Other values that are probably mistakes.
-    "map-background", "map-turned", "period-end", "hidden-key", "prior", "capacitor",
-    "voltage", "density", "moment", "steep-surface", "adhesion", "tangential-restitution",
-    "tolerance",
+    "map-background", "map-turned", "period-end", "hidden-key", "unusual", "prior",
+    "capacitor", "voltage", "density", "moment", "steep-surface", "adhesion",
+    "tangential-restitution", "tolerance",
     # Facts, without a fault.
     "map", "shake-mean",
 )  # fmt: skip
@@ -56,7 +57,32 @@ FAR_FROM_A_PRIOR = 2.5
 def scenario_notes(scenario: Scenario) -> list[Note]:
     """Notes on values of a scenario that are probably mistakes; none for most scenarios."""
     rows = _core.scenario_notes(scenario.to_core())
-    return [*(Note(*row) for row in rows), *_of_files(scenario)]
+    return _with_unusual(scenario, [*(Note(*row) for row in rows), *_of_files(scenario)])
+
+
+def _with_unusual(scenario: Scenario, notes: list[Note]) -> list[Note]:
+    """The notes, and those on values far from the usual ones that none of them names."""
+    found = [(name, known_keys()[name].usual, value)
+             for name, value in scenario.to_core().changed().items()]  # fmt: skip
+    shaken, forces = scenario.shake.accelerations, scenario.inner.forces
+    found += [] if scenario.fluid is None else scenario.fluid.values
+    if shaken is not None:
+        found.append(("1 / period of shake.file", USUAL["shake.frequency"], 1.0 / shaken.period))
+    if forces is not None:
+        found.append(("1 / period of inner.file", USUAL["inner.frequency"], 1.0 / forces.period))
+        found.append(("largest force of inner.file", USUAL["inner.amplitude"], forces.most))
+    said = [note.text for note in notes]
+    for name, usual, value in found:
+        if usual is None or not value or any(name in text for text in said):
+            continue
+        low, high, unit = usual
+        if not low <= abs(value) <= high:
+            text = (
+                f"{name} = {value:g} {unit} is far from the usual {low:g} to {high:g} {unit}: "
+                "is it in SI units?"
+            )
+            notes.append(Note("unusual", text, value))
+    return notes
 
 
 def _of_files(scenario: Scenario) -> Iterator[Note]:
@@ -96,7 +122,8 @@ def run_notes(
     """Notes of a run, the most serious first; none for most runs."""
     rows = _core.run_notes(scenario.to_core(), summary, status == "ok", condition_met)
     notes = (*(Note(*row) for row in rows), *_of_files(scenario))
-    return by_seriousness([*notes, *_of_fluid(scenario, summary), *_of_priors(scenario)])
+    more = (*_of_fluid(scenario, summary), *_of_priors(scenario))
+    return by_seriousness(_with_unusual(scenario, [*notes, *more]))
 
 
 def _of_priors(scenario: Scenario) -> Iterator[Note]:
