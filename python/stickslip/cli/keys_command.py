@@ -48,7 +48,7 @@ _OTHERS = {
     WORD is a word of names or their beginning, such as drive, frict or drive.frequency; where no
     name has it, meanings are searched.
 
-    Each is printed with its unit, default, range and meaning. A key is set by its
+    Each is printed with its unit, default, meaning, range and usual values. A key is set by its
     section in a scenario, by --set SECTION.KEY=VALUE, or varied by --vary.
     """,
     epilog="\b\nExample:\n  stickslip keys drive\n  stickslip keys friction",

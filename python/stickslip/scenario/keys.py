@@ -25,9 +25,6 @@ PREFIX = "effects."
 
 LAWS = "laws."
 
-FIELDS = ("drive.peak", "drive.base", "drive.hold")
-"""The fields of a pulsed drive."""
-
 COIL_NAMES = _core.coil_names
 """Order of the coils in every array of currents or voltages: +x, -x, +y, -y, and below (-z)."""
 
