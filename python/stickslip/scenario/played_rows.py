@@ -19,9 +19,6 @@ from stickslip.errors import prefixed
 
 _P = TypeVar("_P", bound="PlayedRows")
 
-_FEWEST = 4
-"""Steps from which on the neighbours of an end are others than those of the start."""
-
 
 class PlayedRows:
     """A table over one period, linear between its rows, that repeats."""
@@ -58,9 +55,12 @@ class PlayedRows:
 
     @property
     def missing_end(self) -> float | None:
-        """The period with one more step, s, if that would join the last row to the first."""
+        """The period with one more step, s, if that would join the last row to the first.
+
+        Of fewer than four steps the ends are neighbours.
+        """
         step = np.diff(self.rows[:, 0])
-        if len(step) < _FEWEST or np.ptp(step) > 1e-3 * step[0]:
+        if len(step) < 4 or np.ptp(step) > 1e-3 * step[0]:
             return None
         first, second, last_but_one, last = self.rows[[0, 1, -2, -1], 1:]
         jump = first - last
