@@ -134,15 +134,14 @@ class Fluid:
     @property
     def values(self) -> list[tuple[str, tuple[float, float, str], float]]:
         """What it states: names, usual magnitudes of a fluid or of that by name, and values."""
-        usual, of = [USUAL[f"fluid.{key}"] for key in ("density", "viscosity", "wall")], ""
+        of, density, viscosity = "", USUAL["fluid.density"], USUAL["fluid.viscosity"]
         if self.name is not None:
             known, of = LIQUIDS[self.name], f" of {self.name}"
-            usual[0] = (0.8 * known.density, 1.2 * known.density, usual[0][2])
-            usual[1] = (known.viscosity / 3.0, 3.0 * known.viscosity, usual[1][2])
+            density = 0.8 * known.density, 1.2 * known.density, density[2]
+            viscosity = known.viscosity / 3.0, 3.0 * known.viscosity, viscosity[2]
         return [
-            (f"fluid.density{of}", usual[0], self.density),
-            (f"fluid.viscosity{of}", usual[1], self.viscosity),
-            ("fluid.wall", usual[2], self.gap or 0.0),
+            (f"fluid.density{of}", density, self.density),
+            (f"fluid.viscosity{of}", viscosity, self.viscosity),
         ]
 
     def changes(self, robot: Any, gravity: float) -> dict[str, float]:

@@ -15,6 +15,7 @@ from stickslip.scenario.matter import left_out
 from stickslip.simulation.map_background import map_notes
 
 if TYPE_CHECKING:
+    from stickslip.scenario.played_rows import PlayedRows
     from stickslip.scenario.scenario import Scenario
 
 MOST_SHOWN = 4
@@ -62,15 +63,12 @@ def scenario_notes(scenario: Scenario) -> list[Note]:
 
 def _with_unusual(scenario: Scenario, notes: list[Note]) -> list[Note]:
     """The notes, and those on values far from the usual ones that none of them names."""
-    found = [(name, known_keys()[name].usual, value)
-             for name, value in scenario.to_core().changed().items()]  # fmt: skip
-    shaken, forces = scenario.shake.accelerations, scenario.inner.forces
+    changed = scenario.to_core().changed().items()
+    found = [(name, known_keys()[name].usual, value) for name, value in changed]
     found += [] if scenario.fluid is None else scenario.fluid.values
-    if shaken is not None:
-        found.append(("1 / period of shake.file", USUAL["shake.frequency"], 1.0 / shaken.period))
-    if forces is not None:
-        found.append(("1 / period of inner.file", USUAL["inner.frequency"], 1.0 / forces.period))
-        found.append(("largest force of inner.file", USUAL["inner.amplitude"], forces.most))
+    for section, played in _played(scenario):
+        name = f"1 / period of {section}.file"
+        found.append((name, USUAL[f"{section}.frequency"], 1.0 / played.period))
     said = [note.text for note in notes]
     for name, usual, value in found:
         if usual is None or not value or any(name in text for text in said):
@@ -93,7 +91,7 @@ def _of_files(scenario: Scenario) -> Iterator[Note]:
     if scenario.coil.map is not None:
         yield from map_notes(scenario.coil.map)
         yield Note("map", f"the field of the coils is that of {scenario.coil.map}")
-    shaken, forces = scenario.shake.accelerations, scenario.inner.forces
+    shaken = scenario.shake.accelerations
     if shaken is not None and math.hypot(*shaken.mean) > MUCH_MEAN * shaken.most:
         x, z = shaken.mean
         text = (
@@ -101,14 +99,20 @@ def _of_files(scenario: Scenario) -> Iterator[Note]:
             "along z, is taken out, as the surface would drift away"
         )
         yield Note("shake-mean", text, math.hypot(x, z))
-    for file, played in ("shake.file", shaken), ("inner.file", forces):
-        if played is not None and (end := played.missing_end) is not None:
+    for section, played in _played(scenario):
+        if (end := played.missing_end) is not None:
             text = (
-                f"{file}: its last row is not the first again, and one more step would join them, "
-                f"so that the period of {played.period:.6g} s, its last time, may be a step too "
-                f"short; add the first row again at t = {end:.6g} s"
+                f"{section}.file: its last row is not the first again, and one more step would "
+                f"join them, so that the period of {played.period:.6g} s, its last time, may be a "
+                f"step too short; add the first row again at t = {end:.6g} s"
             )
             yield Note("period-end", text, end)
+
+
+def _played(scenario: Scenario) -> list[tuple[str, PlayedRows]]:
+    """The tables over a period that a scenario has, by their sections."""
+    tables = {"shake": scenario.shake.accelerations, "inner": scenario.inner.forces}
+    return [(section, table) for section, table in tables.items() if table is not None]
 
 
 def peak_voltages(scenario: Scenario) -> dict[str, float]:
