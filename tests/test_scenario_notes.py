@@ -230,7 +230,7 @@ def test_a_period_in_other_units_is_told():
         Scenario().replace({**still, "shake.accelerations": Accelerations(rows)})
     )
     assert [note.code for note in found] == ["unusual"]
-    assert "1 / period of shake.file = 1 Hz" in found[0].text
+    assert "1 / period of Accelerations = 1 Hz" in found[0].text
     driven = {**still, **CAPSULE, "inner.forces": Forces([[0.0, 1e-7], [5.0, 1e-7]])}
     del driven["inner.frequency"]
     found = scenario_notes(Scenario().replace(driven))

@@ -71,7 +71,6 @@ _RANGES = (
     (1e-9, 1e-2, "m", "shake.amplitude_x shake.amplitude_z"),
     (2.0, 1e6, "Hz", "shake.frequency inner.frequency"),
     (1e-11, 100.0, "N", "inner.amplitude"),
-    (1e-5, 1e6, "N/m", "inner.stiffness"),
     (0.0, 0.2, "m", "inner.stop_low inner.stop_high initial.x initial.y initial.z"),
     (0.0, 5e-3, "T", "effects.ambient_field.Bx effects.ambient_field.By effects.ambient_field.Bz"),
     (0.0, 5e-2, "s", "effects.eddy_lag.time effects.sample_hold.period"),
@@ -275,17 +274,6 @@ def full_name(name: str) -> str:
 def is_of_one_coil(key: str) -> bool:
     """Whether a key is of a single coil, such as ``coil.xp.turns``."""
     return key.startswith("coil.") and key.count(".") > 1
-
-
-def hidden_keys(core: _core.Scenario) -> dict[str, float]:
-    """Those of all coils, other than by default, whose value no coil has: all have their own."""
-    found = {key.name: core.get(key.name) for key in keys_of("coil")}
-    return {
-        name: float(value)
-        for name, value in found.items()
-        if value != known_keys()[name].default
-        and all(core.get(name.replace(".", f".{coil}.")) != value for coil in COIL_NAMES)
-    }
 
 
 def check_word(key: object) -> None:

@@ -16,6 +16,7 @@ from stickslip._util.files import write_rows
 from stickslip._util.messages import known_arguments
 from stickslip._util.recipes import Recipe
 from stickslip.errors import prefixed
+from stickslip.scenario.keys import USUAL
 
 _P = TypeVar("_P", bound="PlayedRows")
 
@@ -54,14 +55,16 @@ class PlayedRows:
         return float(np.abs(self.rows[:, 1:]).max())
 
     @property
-    def missing_end(self) -> float | None:
-        """The period with one more step, s, if that would join the last row to the first.
+    def values(self) -> list[tuple[str, tuple[float, float, str], float]]:
+        """Its frequency: a name, usual magnitudes, and the value."""
+        return [(f"1 / period of {type(self).__name__}", USUAL["shake.frequency"], 1 / self.period)]
 
-        Of fewer than four steps the ends are neighbours.
-        """
+    @property
+    def missing_end(self) -> float | None:
+        """The period with one more step, s, if that would join the last row to the first."""
         step = np.diff(self.rows[:, 0])
         if len(step) < 4 or np.ptp(step) > 1e-3 * step[0]:
-            return None
+            return None  # of fewer, the neighbours of both ends are the same
         first, second, last_but_one, last = self.rows[[0, 1, -2, -1], 1:]
         jump = first - last
         rough = np.linalg.norm(jump - 0.5 * (second - first + last - last_but_one))

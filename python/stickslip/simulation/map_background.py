@@ -78,11 +78,8 @@ def _turned(fields: Array, axes: Indices, coil: float, noise: float) -> Iterator
     if angle < _TURNED or sine < _COMMON * math.hypot(scatter, noise / coil):
         return
     axis *= angle / sine
-    about = " and ".join(
-        f"{value:.2g} degrees about {name}"
-        for name, value in zip("xyz", axis, strict=True)
-        if abs(value) > 0.1 * angle
-    )
+    large = np.flatnonzero(np.abs(axis) > 0.1 * angle).tolist()
+    about = " and ".join(f"{axis[k]:.2g} degrees about {'xyz'[k]}" for k in large)
     text = (
         f"coil.map: the fields of all coils at the centre are turned by {about} against their "
         "axes, as by a probe that is turned against the axes of its places; turn Bx, By, Bz back"

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 from stickslip import _core
 from stickslip._util.messages import shown
 from stickslip._util.note import Note
-from stickslip.scenario.keys import USUAL, known_keys
+from stickslip.scenario.held import HELD
+from stickslip.scenario.keys import known_keys
 from stickslip.scenario.matter import left_out
 from stickslip.simulation.map_background import map_notes
 
 if TYPE_CHECKING:
-    from stickslip.scenario.played_rows import PlayedRows
     from stickslip.scenario.scenario import Scenario
 
 MOST_SHOWN = 4
@@ -58,29 +58,23 @@ FAR_FROM_A_PRIOR = 2.5
 def scenario_notes(scenario: Scenario) -> list[Note]:
     """Notes on values of a scenario that are probably mistakes; none for most scenarios."""
     rows = _core.scenario_notes(scenario.to_core())
-    return _with_unusual(scenario, [*(Note(*row) for row in rows), *_of_files(scenario)])
+    notes = [*(Note(*row) for row in rows), *_of_files(scenario)]
+    return [*notes, *_unusual(scenario, notes)]
 
 
-def _with_unusual(scenario: Scenario, notes: list[Note]) -> list[Note]:
-    """The notes, and those on values far from the usual ones that none of them names."""
+def _unusual(scenario: Scenario, others: Iterable[Note]) -> Iterator[Note]:
+    """Notes on values far from the usual ones, of which no other note has the name."""
     changed = scenario.to_core().changed().items()
     found = [(name, known_keys()[name].usual, value) for name, value in changed]
-    found += [] if scenario.fluid is None else scenario.fluid.values
-    for section, played in _played(scenario):
-        name = f"1 / period of {section}.file"
-        found.append((name, USUAL[f"{section}.frequency"], 1.0 / played.period))
-    said = [note.text for note in notes]
+    for held in scenario.held.values():
+        found += getattr(held, "values", [])
     for name, usual, value in found:
-        if usual is None or not value or any(name in text for text in said):
+        if usual is None or not value or any(name in note.text for note in others):
             continue
         low, high, unit = usual
         if not low <= abs(value) <= high:
-            text = (
-                f"{name} = {value:g} {unit} is far from the usual {low:g} to {high:g} {unit}: "
-                "is it in SI units?"
-            )
-            notes.append(Note("unusual", text, value))
-    return notes
+            text = f"{name} = {value:g} {unit} is far from the usual {low:g} to {high:g}"
+            yield Note("unusual", f"{text} {unit}: is it in SI units?", value)
 
 
 def _of_files(scenario: Scenario) -> Iterator[Note]:
@@ -99,20 +93,14 @@ def _of_files(scenario: Scenario) -> Iterator[Note]:
             "along z, is taken out, as the surface would drift away"
         )
         yield Note("shake-mean", text, math.hypot(x, z))
-    for section, played in _played(scenario):
-        if (end := played.missing_end) is not None:
+    for key, held in scenario.held.items():
+        if end := getattr(held, "missing_end", None):
             text = (
-                f"{section}.file: its last row is not the first again, and one more step would "
-                f"join them, so that the period of {played.period:.6g} s, its last time, may be a "
-                f"step too short; add the first row again at t = {end:.6g} s"
+                f"{HELD[key].file}: its last row is not the first again, and one more step would join "
+                f"them, so that the period of {held.period:.6g} s, its last time, may be a step "
+                f"too short; add the first row again at t = {end:.6g} s"
             )
             yield Note("period-end", text, end)
-
-
-def _played(scenario: Scenario) -> list[tuple[str, PlayedRows]]:
-    """The tables over a period that a scenario has, by their sections."""
-    tables = {"shake": scenario.shake.accelerations, "inner": scenario.inner.forces}
-    return [(section, table) for section, table in tables.items() if table is not None]
 
 
 def peak_voltages(scenario: Scenario) -> dict[str, float]:
@@ -126,8 +114,8 @@ def run_notes(
     """Notes of a run, the most serious first; none for most runs."""
     rows = _core.run_notes(scenario.to_core(), summary, status == "ok", condition_met)
     notes = (*(Note(*row) for row in rows), *_of_files(scenario))
-    more = (*_of_fluid(scenario, summary), *_of_priors(scenario))
-    return by_seriousness(_with_unusual(scenario, [*notes, *more]))
+    notes = (*notes, *_of_fluid(scenario, summary), *_of_priors(scenario))
+    return by_seriousness([*notes, *_unusual(scenario, notes)])
 
 
 def _of_priors(scenario: Scenario) -> Iterator[Note]:
