@@ -96,9 +96,9 @@ def _of_files(scenario: Scenario) -> Iterator[Note]:
     for key, held in scenario.held.items():
         if end := getattr(held, "missing_end", None):
             text = (
-                f"{HELD[key].file}: its last row is not the first again, and one more step would join "
-                f"them, so that the period of {held.period:.6g} s, its last time, may be a step "
-                f"too short; add the first row again at t = {end:.6g} s"
+                f"{HELD[key].file}: its last row is not the first again, and one more step would "
+                f"join them, so that the period of {held.period:.6g} s, its last time, may be a "
+                f"step too short; add the first row again at t = {end:.6g} s"
             )
             yield Note("period-end", text, end)
 
