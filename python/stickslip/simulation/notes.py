@@ -65,7 +65,7 @@ def scenario_notes(scenario: Scenario) -> list[Note]:
 def _unusual(scenario: Scenario, others: Iterable[Note]) -> Iterator[Note]:
     """Notes on values far from the usual ones, of which no other note has the name."""
     changed = scenario.to_core().changed().items()
-    found = [(name, known_keys()[name].usual, value) for name, value in changed]
+    found: list[Any] = [(name, known_keys()[name].usual, value) for name, value in changed]
     for held in scenario.held.values():
         found += getattr(held, "values", [])
     for name, usual, value in found:

@@ -147,7 +147,7 @@ def _fit(
 ) -> _Fit:
     middle, half, unit = (start + end) / 2, (end - start) / 2, _SWAY * length
     # The square takes up a velocity that changes, and is orthogonal to its mean.
-    slow = np.polynomial.legendre.legvander((times - middle) / half, degree)
+    slow: Array = np.polynomial.legendre.legvander((times - middle) / half, degree).astype(float)
     number = np.arange(1, _HARMONICS + 1)
     phase = 2 * np.pi * np.outer((times - start) / period, number)
     swaying = np.column_stack([np.cos(phase) / number, np.sin(phase) / number])
