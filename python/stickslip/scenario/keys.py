@@ -72,7 +72,7 @@ _RANGES = (
     (2.0, 1e6, "Hz", "shake.frequency inner.frequency"),
     (1e-11, 100.0, "N", "inner.amplitude"),
     (0.0, 0.2, "m", "inner.stop_low inner.stop_high initial.x initial.y initial.z"),
-    (0.0, 5e-3, "T", "effects.ambient_field.Bx effects.ambient_field.By effects.ambient_field.Bz"),
+    (0.0, 0.03, "T", "effects.ambient_field.Bx effects.ambient_field.By effects.ambient_field.Bz"),
     (0.0, 5e-2, "s", "effects.eddy_lag.time effects.sample_hold.period"),
 )
 USUAL = {name: row[:3] for row in _RANGES for name in row[3].split()}
