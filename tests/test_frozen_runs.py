@@ -9,6 +9,7 @@ import pytest
 
 from frozen import freeze
 from frozen.scenarios import scenarios
+from stickslip.simulation.notes import scenario_notes
 
 
 @pytest.mark.usefixtures("frozen_effect")
@@ -18,6 +19,12 @@ def test_frozen_runs_are_what_they_were():
     runs = freeze.simulated(chosen)
     assert [*freeze.changes(runs, expected, to_the_bit=made_on == freeze.machine())] == []
     assert list(expected) == list(chosen)
+
+
+@pytest.mark.usefixtures("frozen_effect")
+def test_frozen_scenarios_have_usual_values():
+    for name, scenario in scenarios().items():
+        assert "unusual" not in {note.code for note in scenario_notes(scenario)}, name
 
 
 def test_a_changed_bit_is_found():

@@ -5,12 +5,21 @@ readings over a window of the duration T, s sqrt(12 / n) / T.
 """
 
 import functools
+import warnings
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from stickslip import Drive, Measurement, Record, Scenario, simulate, velocity_of_track
+from stickslip import (
+    Drive,
+    Measurement,
+    Record,
+    Scenario,
+    ScenarioError,
+    simulate,
+    velocity_of_track,
+)
 
 NOISE = 2e-6  # m
 IPP = Drive(mode="IPP", frequency=30.0, base=0.5e-3, pulses=30)
@@ -89,3 +98,70 @@ def test_rows_are_a_table_that_the_reader_takes_with_all_settings():
     np.testing.assert_array_equal(data.velocity, table["velocity"])
     for condition, drive in zip(data.conditions, drives, strict=True):
         assert Scenario().replace(dict(condition)).drive == drive
+
+
+# Place of a walk at u, from 0 at the start of the track to 1 at its end, in its own time.
+UNSTEADY = {
+    "filmed before the drive": lambda u: np.maximum(u - 0.25, 0.0),
+    "rests before": lambda u: np.maximum(u - 0.3, 0.0) / 0.7,
+    "rests in the middle": lambda u: np.where(u < 0.4, u, np.maximum(u - 0.2, 0.4)),
+    "rests after": lambda u: np.minimum(u, 0.75),
+    "rests twice": lambda u: np.clip(u, 0.0, 0.3) + np.clip(u - 0.4, 0.0, 0.3)
+    + np.maximum(u - 0.8, 0.0),
+    "stops soon": lambda u: np.minimum(u, 0.4),
+    "twice as fast from the middle": lambda u: u + np.maximum(u - 0.5, 0.0),
+    "twice as fast late": lambda u: u + np.maximum(u - 0.75, 0.0),
+    "half as fast early": lambda u: u - 0.5 * np.minimum(u, 0.3),
+    "turns back in the middle": lambda u: 0.5 - np.abs(u - 0.5),
+    "turns back late": lambda u: 0.8 - np.abs(u - 0.8),
+    "goes to and fro": lambda u: u + 0.1 * np.sin(9.0 * u),
+    "the camera jumps ahead": lambda u: u + 0.12 * (u > 0.37),
+    "the camera jumps back": lambda u: u - 0.12 * (u > 0.62),
+    "the camera is pushed and put back": lambda u: u + 0.1 * (np.abs(u - 0.5) < 0.15),
+}  # fmt: skip
+
+
+def judged(t, x, drive, truth):
+    """Standard errors by which a velocity is off, and whether there was a warning or refusal."""
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        try:
+            row = velocity_of_track(t, x, drive)
+        except ScenarioError:
+            return np.inf, True
+    return abs(row["velocity"] - truth) / row["standard_error"], bool(said)
+
+
+@pytest.mark.parametrize("noise", [NOISE, 10.0 * NOISE])
+@pytest.mark.parametrize("kind", UNSTEADY)
+@pytest.mark.parametrize("drive", [IPP, OPP], ids=["IPP", "OPP"])
+def test_a_track_that_is_no_steady_walk_is_told_or_right_within_its_error(drive, kind, noise):
+    random, run = np.random.default_rng(7), run_of(drive)
+    start, end = Scenario(drive=drive).window
+    for rate in (100.0, 237.0, 1000.0):
+        t, walked = film(drive, rate, random, noise)
+        shift, before, after = (
+            run.x[-1] * (UNSTEADY[kind](at / run.t[-1]) - at / run.t[-1])
+            for at in (t, np.array(start), np.array(end))
+        )
+        whole = run.mean_velocity + (after - before) / (end - start)
+        off, told = judged(t, walked + shift, drive, whole)
+        assert off < 5.0 or told, rate
+    # The hard case is told, not just right: all frames of a long film with little noise.
+    assert told or noise > NOISE
+
+
+def test_sound_tracks_get_no_warning():
+    random, told, far = np.random.default_rng(8), 0, 0
+    for k in range(200):
+        # Steps of a frame in two pulses and more; velocities that change by up to 30 %.
+        drive, rate = (IPP, OPP)[k % 2], (20.0, 45.0, 100.0, 237.0, 700.0)[k % 5]
+        t, x = film(drive, rate, random, 10.0 ** random.uniform(-7.0, -4.5))
+        start, end = Scenario(drive=drive).window
+        run, change = run_of(drive), random.uniform(-0.15, 0.15) * (k % 3 > 0)
+        x = x + change * run.x[-1] * (t / end) ** 2
+        more = change * run.x[-1] * (1.0 - (start / end) ** 2) / (end - start)
+        off, said = judged(t, x, drive, run.mean_velocity + more)
+        told, far = told + said, far + (off > 5.0)
+    assert told <= 2
+    assert far <= 2

@@ -41,6 +41,10 @@ def _plain(text: str) -> str:
     return "".join(f"\\{c}" if c in "*_$<>|`[]" else c for c in text)
 
 
+def _usual(key: Key) -> str:
+    return "; usually {:g} to {:g} {}".format(*key.usual) if key.usual else ""
+
+
 def _default(key: Key) -> str:
     return json.dumps(key.default) if isinstance(key.default, str) else f"{key.default:g}"
 
@@ -57,7 +61,7 @@ class ScenarioKeys(SphinxDirective):
                     _code(key.name.rpartition(".")[2]),
                     _plain(key.meaning),
                     _code(_default(key)),
-                    _plain(key.allowed),
+                    _plain(key.allowed + _usual(key)),
                 ]
                 for key in keys
                 if key.section == section

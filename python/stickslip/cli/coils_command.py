@@ -25,7 +25,8 @@ _SHOWN = {
 }
 
 _CODES = {
-    "map-background", "window-short", "pulses-short", "hidden-key", "capacitor", "voltage", "map",
+    "map-background", "map-turned", "window-short", "pulses-short", "hidden-key", "capacitor",
+    "voltage", "map",
 }  # fmt: skip
 """Notes that concern coils."""
 

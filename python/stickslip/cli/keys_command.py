@@ -48,7 +48,7 @@ _OTHERS = {
     WORD is a word of names or their beginning, such as drive, frict or drive.frequency; where no
     name has it, meanings are searched.
 
-    Each is printed with its unit, default, range and meaning. A key is set by its
+    Each is printed with its unit, default, meaning, range and usual values. A key is set by its
     section in a scenario, by --set SECTION.KEY=VALUE, or varied by --vary.
     """,
     epilog="\b\nExample:\n  stickslip keys drive\n  stickslip keys friction",
@@ -96,7 +96,7 @@ def having(word: str, meanings: dict[str, str]) -> list[str]:
 
 def as_dict(key: Key) -> dict[str, object]:
     """A key as an object of JSON."""
-    fields = ("unit", "low", "high", "allowed", "default", "meaning")
+    fields = ("unit", "low", "high", "usual", "allowed", "default", "meaning")
     row = {"key": key.name, **{name: getattr(key, name) for name in fields}}
     return row | {"default": None} if key.name.startswith(LAWS) else row
 
@@ -111,4 +111,5 @@ def _line(key: Key) -> str:
     unit = "" if key.unit == "-" or isinstance(key.default, str) else f" {key.unit}"
     name = key.name.rpartition(".")[2]
     default = "" if key.name.startswith(LAWS) else f" = {shown(key.default)}{unit}"
-    return indented(f"{name}{default}: {key.meaning}; {key.allowed}")
+    usual = "; usually {:g} to {:g} {}".format(*key.usual) if key.usual else ""
+    return indented(f"{name}{default}: {key.meaning}; {key.allowed}{usual}")

@@ -25,9 +25,6 @@ PREFIX = "effects."
 
 LAWS = "laws."
 
-FIELDS = ("drive.peak", "drive.base", "drive.hold")
-"""The fields of a pulsed drive."""
-
 COIL_NAMES = _core.coil_names
 """Order of the coils in every array of currents or voltages: +x, -x, +y, -y, and below (-z)."""
 
@@ -55,6 +52,33 @@ less gradient over field than a circle, whose field is known in closed form."""
 
 MEASURED = {"radius": "side = 1.77 radius", "rise_time": "inductance = resistance * rise_time"}
 """Words of `Coil.of`, and what a coil has in their place whose turns are known."""
+
+_RANGES = (
+    (0.5, 5e3, "Hz", "drive.frequency"),
+    (0.0, 0.1, "T", "drive.peak drive.base drive.hold"),
+    (1e-7, 3.0, "s", "drive.ramp drive.ramp_down drive.edge_time drive.latency"),
+    (1e-2, 1e4, "ohm", "coil.resistance"),
+    (1e-7, 2.0, "H", "coil.inductance"),
+    (1e-9, 0.1, "F", "coil.capacitance"),
+    (1e-3, 1.0, "m", "coil.side coil.distance"),
+    (1e-6, 0.1, "m", "robot.length robot.width robot.height"),
+    (1e-13, 0.3, "kg", "robot.mass inner.mass"),
+    (1e3, 2e6, "A/m", "robot.magnetization"),
+    (1e-13, 0.05, "N", "contact.adhesion"),
+    (0.1, 100.0, "m/s^2", "environment.gravity"),
+    (1e-5, 100.0, "Pa s", "fluid.viscosity"),
+    (1.0, 1.4e4, "kg/m^3", "fluid.density"),
+    (1e-9, 1e-2, "m", "shake.amplitude_x shake.amplitude_z"),
+    (2.0, 1e6, "Hz", "shake.frequency inner.frequency"),
+    (1e-11, 100.0, "N", "inner.amplitude"),
+    (0.0, 0.2, "m", "inner.stop_low inner.stop_high initial.x initial.y initial.z"),
+    (0.0, 0.03, "T", "effects.ambient_field.Bx effects.ambient_field.By effects.ambient_field.Bz"),
+    (0.0, 5e-2, "s", "effects.eddy_lag.time effects.sample_hold.period"),
+)
+USUAL = {name: row[:3] for row in _RANGES for name in row[3].split()}
+"""Magnitudes, from and to, that keys and what a fluid or a table of a period gives usually have,
+and their unit. Chosen: what is known of small robots, with a decade to spare; other units, by a
+thousand, are mostly beyond. Zero, and each default, is usual too."""
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
@@ -117,6 +141,11 @@ class Key:
         """The name in Python: ``from`` is a word of the language."""
         name = self.name.rpartition(".")[2]
         return f"{name}_" if keyword.iskeyword(name) else name
+
+    @property
+    def usual(self) -> tuple[float, float, str] | None:
+        """Magnitudes that it usually has, from and to, and their unit; None where all are usual."""
+        return USUAL.get(re.sub(rf"^coil\.({'|'.join(COIL_NAMES)})\.", "coil.", self.name))
 
 
 class KnownKeys(dict[str, Key]):
@@ -245,17 +274,6 @@ def full_name(name: str) -> str:
 def is_of_one_coil(key: str) -> bool:
     """Whether a key is of a single coil, such as ``coil.xp.turns``."""
     return key.startswith("coil.") and key.count(".") > 1
-
-
-def hidden_keys(core: _core.Scenario) -> dict[str, float]:
-    """Those of all coils, other than by default, whose value no coil has: all have their own."""
-    found = {key.name: core.get(key.name) for key in keys_of("coil")}
-    return {
-        name: float(value)
-        for name, value in found.items()
-        if value != known_keys()[name].default
-        and all(core.get(name.replace(".", f".{coil}.")) != value for coil in COIL_NAMES)
-    }
 
 
 def check_word(key: object) -> None:

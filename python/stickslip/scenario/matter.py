@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 from stickslip._util.messages import check_above_zero, refuse, shown, suggestion
 from stickslip._util.text import is_number
 from stickslip.errors import ScenarioError, prefixed
+from stickslip.scenario.keys import USUAL
 
 MU_0 = 4e-7 * math.pi
 """Magnetic constant, T m/A, to 1e-9."""
@@ -96,11 +97,14 @@ class Fluid:
         Dynamic one, Pa s.
     gap : float or None
         Height of the fluid between the robot and the wall, m; None far from a wall.
+    name : str or None
+        Its name, where it was given by one.
     """
 
     density: float
     viscosity: float
     gap: float | None = None
+    name: str | None = None
 
     @staticmethod
     def of_table(table: Mapping[str, Any]) -> Fluid:
@@ -120,10 +124,24 @@ class Fluid:
         """The section in a scenario's file."""
         wall = "false" if self.gap is None else repr(self.gap)
         return [
-            "[fluid]  # for its note: what it sets stands above",
+            "[fluid]  # for its notes: what it sets stands above",
+            *([] if self.name is None else [f"name = {shown(self.name)}"]),
             f"density = {self.density!r}  # kg/m^3",
             f"viscosity = {self.viscosity!r}  # Pa s",
             f"wall = {wall}  # m",
+        ]
+
+    @property
+    def values(self) -> list[tuple[str, tuple[float, float, str], float]]:
+        """What it states: names, usual magnitudes of a fluid or of that by name, and values."""
+        of, density, viscosity = "", USUAL["fluid.density"], USUAL["fluid.viscosity"]
+        if self.name is not None:
+            known, of = LIQUIDS[self.name], f" of {self.name}"
+            density = 0.8 * known.density, 1.2 * known.density, density[2]
+            viscosity = known.viscosity / 3.0, 3.0 * known.viscosity, viscosity[2]
+        return [
+            (f"fluid.density{of}", density, self.density),
+            (f"fluid.viscosity{of}", viscosity, self.viscosity),
         ]
 
     def changes(self, robot: Any, gravity: float) -> dict[str, float]:
@@ -174,7 +192,7 @@ def fluid_of(
     else:
         check_above_zero("wall", wall, "m, true or false;")
         gap = float(wall)
-    return Fluid(float(density), float(viscosity), gap)  # type: ignore[arg-type]
+    return Fluid(float(density), float(viscosity), gap, name)  # type: ignore[arg-type]
 
 
 def _check_given(what: str, **values: object) -> None:

@@ -26,6 +26,7 @@ from stickslip.scenario.effects import flat_effects
 from stickslip.scenario.held import OBJECTS, PATHS, with_files
 from stickslip.scenario.keys import (
     COIL_MAP,
+    COIL_NAMES,
     FILE,
     LAWS,
     PREFIX,
@@ -34,7 +35,6 @@ from stickslip.scenario.keys import (
     Value,
     find_key,
     full_name,
-    hidden_keys,
     keys_of,
     known_keys,
 )
@@ -493,7 +493,11 @@ class Scenario:
     @property
     def hidden(self) -> Mapping[str, Any]:
         """Values without effect by dotted key: of all coils, where all five have their own."""
-        return MappingProxyType(hidden_keys(self._core))
+        coil = self.coil.as_dict()
+        held = [coil[name]._asdict() for name in COIL_NAMES]
+        shown = {key: [key.default, *(one[key.field] for one in held)] for key in keys_of("coil")}
+        hidden = {key.name: coil[key.field] for key in shown if coil[key.field] not in shown[key]}
+        return MappingProxyType(hidden)
 
     def _state(self) -> tuple[dict[str, Value], list[Any], Any]:
         return self._core.changed(), [self._held.get(key) for key in OBJECTS], self._uncertain

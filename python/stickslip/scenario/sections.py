@@ -208,32 +208,11 @@ class Robot(Section, key="robot"):
         return Robot(**{**robot.as_dict(), "mass": mass, "magnetization": magnetization})
 
 
-class Contact(Section, key="contact"):
-    __slots__ = ()
-
-
-class Drag(Section, key="drag"):
-    __slots__ = ()
-
-
-class Environment(Section, key="environment"):
-    __slots__ = ()
-
-
-class Inner(Section, key="inner"):
-    __slots__ = ()
-
-
-class Shake(Section, key="shake"):
-    __slots__ = ()
-
-
-class Solver(Section, key="solver"):
-    __slots__ = ()
-
-
-class Record(Section, key="record"):
-    __slots__ = ()
+# Those with values alone.
+Contact, Drag, Environment, Inner, Shake, Solver, Record = (
+    type(name, (Section,), {"__slots__": (), "__module__": __name__}, key=name.casefold())
+    for name in ("Contact", "Drag", "Environment", "Inner", "Shake", "Solver", "Record")
+)
 
 
 class State(Section, key="initial"):

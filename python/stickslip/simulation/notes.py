@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Any
 from stickslip import _core
 from stickslip._util.messages import shown
 from stickslip._util.note import Note
+from stickslip.scenario.held import HELD
+from stickslip.scenario.keys import known_keys
 from stickslip.scenario.matter import left_out
-from stickslip.simulation.map_background import background
+from stickslip.simulation.map_background import map_notes
 
 if TYPE_CHECKING:
     from stickslip.scenario.scenario import Scenario
@@ -31,9 +33,9 @@ CODES = (
     "field-change", "velocity-grows", "turning", "start-up", "window-short", "pulses-short",
     "fluid", "inner",
     # Other values that are probably mistakes.
-    "map-background", "hidden-key", "prior", "capacitor",
-    "voltage", "density", "moment", "steep-surface", "adhesion", "tangential-restitution",
-    "tolerance",
+    "map-background", "map-turned", "period-end", "hidden-key", "unusual", "prior",
+    "capacitor", "voltage", "density", "moment", "steep-surface", "adhesion",
+    "tangential-restitution", "tolerance",
     # Facts, without a fault.
     "map", "shake-mean",
 )  # fmt: skip
@@ -56,7 +58,23 @@ FAR_FROM_A_PRIOR = 2.5
 def scenario_notes(scenario: Scenario) -> list[Note]:
     """Notes on values of a scenario that are probably mistakes; none for most scenarios."""
     rows = _core.scenario_notes(scenario.to_core())
-    return [*(Note(*row) for row in rows), *_of_files(scenario)]
+    notes = [*(Note(*row) for row in rows), *_of_files(scenario)]
+    return [*notes, *_unusual(scenario, notes)]
+
+
+def _unusual(scenario: Scenario, others: Iterable[Note]) -> Iterator[Note]:
+    """Notes on values far from the usual ones, of which no other note has the name."""
+    changed = scenario.to_core().changed().items()
+    found: list[Any] = [(name, known_keys()[name].usual, value) for name, value in changed]
+    for held in scenario.held.values():
+        found += getattr(held, "values", [])
+    for name, usual, value in found:
+        if usual is None or not value or any(name in note.text for note in others):
+            continue
+        low, high, unit = usual
+        if not low <= abs(value) <= high:
+            text = f"{name} = {value:g} {unit} is far from the usual {low:g} to {high:g}"
+            yield Note("unusual", f"{text} {unit}: is it in SI units?", value)
 
 
 def _of_files(scenario: Scenario) -> Iterator[Note]:
@@ -65,7 +83,7 @@ def _of_files(scenario: Scenario) -> Iterator[Note]:
         text = f"{key} = {shown(value)} has no effect: all five coils have their own values"
         yield Note("hidden-key", f"{text}, such as those of [coil.xp]", float(value))
     if scenario.coil.map is not None:
-        yield from background(scenario.coil.map)
+        yield from map_notes(scenario.coil.map)
         yield Note("map", f"the field of the coils is that of {scenario.coil.map}")
     shaken = scenario.shake.accelerations
     if shaken is not None and math.hypot(*shaken.mean) > MUCH_MEAN * shaken.most:
@@ -75,6 +93,14 @@ def _of_files(scenario: Scenario) -> Iterator[Note]:
             "along z, is taken out, as the surface would drift away"
         )
         yield Note("shake-mean", text, math.hypot(x, z))
+    for key, held in scenario.held.items():
+        if end := getattr(held, "missing_end", None):
+            text = (
+                f"{HELD[key].file}: its last row is not the first again, and one more step would "
+                f"join them, so that the period of {held.period:.6g} s, its last time, may be a "
+                f"step too short; add the first row again at t = {end:.6g} s"
+            )
+            yield Note("period-end", text, end)
 
 
 def peak_voltages(scenario: Scenario) -> dict[str, float]:
@@ -88,7 +114,8 @@ def run_notes(
     """Notes of a run, the most serious first; none for most runs."""
     rows = _core.run_notes(scenario.to_core(), summary, status == "ok", condition_met)
     notes = (*(Note(*row) for row in rows), *_of_files(scenario))
-    return by_seriousness([*notes, *_of_fluid(scenario, summary), *_of_priors(scenario)])
+    notes = (*notes, *_of_fluid(scenario, summary), *_of_priors(scenario))
+    return by_seriousness([*notes, *_unusual(scenario, notes)])
 
 
 def _of_priors(scenario: Scenario) -> Iterator[Note]:

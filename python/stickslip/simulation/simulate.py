@@ -66,33 +66,23 @@ def _parsed(until: str | None, scenarios: Iterable[Scenario]) -> Condition | Non
     if until is None:
         return None
     match = _CONDITION.fullmatch(until) if isinstance(until, str) else None
+    quantity, above, number = match.groups() if match else ("", "", "nan")
     try:
-        value = math.nan if match is None else float(match[3])
+        value = float(number)
     except ValueError:
         value = math.nan
-    if match is None or match[1] not in _core.stop_quantities or not math.isfinite(value):
-        refuse(
-            "until",
-            until,
-            'a condition such as "x >= 3e-3" or "theta <= -1.5", of '
-            f"{', '.join(_core.stop_quantities)} (SI units and rad)"
-            + (
-                ""
-                if match is None or match[1] in _core.stop_quantities
-                else meant(match[1], _core.stop_quantities)
-            ),
-        )
-    quantity = match[1]
+    known = _core.stop_quantities
+    if quantity not in known or not math.isfinite(value):
+        hint = "" if quantity in known else meant(quantity, known)
+        example = '"x >= 3e-3" or "theta <= -1.5"'
+        names = f"{', '.join(known)} (SI units and rad){hint}"
+        refuse("until", until, f"a condition such as {example}, of {names}")
     if quantity in _core.plane_columns and not all(scenario.whole_plane for scenario in scenarios):
-        refuse(
-            "until",
-            until,
-            f"no condition of {quantity} for a robot that nothing turns or pushes across: it stays "
-            "in the plane y = 0",
-        )
+        why = "for a robot that nothing turns or pushes across: it stays in the plane y = 0"
+        refuse("until", until, f"no condition of {quantity} {why}")
     if quantity == "heading" and abs(value) > math.pi:
         refuse("until", until, "a heading from -pi to pi, beyond which it goes on at -pi")
-    return quantity, match[2] == ">", value
+    return quantity, above == ">", value
 
 
 def simulate(
