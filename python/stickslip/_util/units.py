@@ -138,7 +138,7 @@ def per_si(unit: str, si: str) -> float:
     hint = meant(unit, known)
     if given and of and given[1][:-1] == of[1][:-1] == (0, 0, -1, 0, 0):  # but for an angle
         hint = "; Hz does not say whether it counts turns: a turn is 2 pi rad"
-    if unit.rstrip("s") in ("tick", "count") and si == "rad":
+    if unit.partition("/")[0].rstrip("s") in ("tick", "count") and si == "rad":
         hint = "; of an encoder with 4096 ticks a turn, rev/4096"
     listed = ", ".join(unit for unit in known if "μ" not in unit)  # the twin of µ looks alike
     raise ValueError(f"allowed are {listed}{hint}")

@@ -58,12 +58,16 @@ def command(
     _explain(source, made, units, lacks)
     if write is not None:
         write_new("--write", write, format_recipe(log, str(model), units, set, write.parent))
+    if lacks and model:
+        raise click.exceptions.Exit(BAD_INPUT)
 
 
 def read_or_explain(source: Source, model: Any, units: Units, lacks: Sequence[str] = ()) -> Series:
     """Return the log of a model, or print why it is refused and how it is understood, and exit."""
     try:
-        return models.read_log(source, model, units)
+        log = models.read_log(source, model, units)
+        model.terms(log)
+        return log
     except ScenarioError as error:
         say(f"stickslip: {error}", err=True)
         with contextlib.suppress(ScenarioError):  # no table: the reason says all

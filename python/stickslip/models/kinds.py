@@ -224,13 +224,13 @@ KINDS = {
             (("start_position", "rad"), ("start_speed", "rad/s")),
             {"position": (0, 0), "speed": (1, 1)},
             {"goal": "rad", "duty": "- or V", "supply": "V", "torque enable": "-"},
-            (*_sensors("goal", zero=True), Sensor("late duty", delay, 0.05, "time",
-             "duty")),
+            (*_sensors("goal", zero=True), Sensor("late duty", delay, 0.05, "time", "duty")),
             inertia="inertia", drives=("goal", "duty"), command=_duty,
             per_command="supply torque_constant / resistance",
             placed=frozenset({"gravity", "gain"}),
             also={"goal": ("goal position", "target", "setpoint"), "duty": ("pwm", "duty cycle"),
-                  "supply": ("voltage", "supply voltage", "input voltage", "present voltage")},
+                  "supply": ("voltage", "supply voltage", "input voltage", "present voltage"),
+                  "torque enable": ("torque enabled", "enable", "enabled")},
         ),
     )
 }  # fmt: skip

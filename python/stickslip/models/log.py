@@ -32,7 +32,7 @@ _ALSO = {_TIME: ("time", "timestamp", "unix", "unix time", "datetime", "clock", 
 """Further names of columns."""
 
 _CUT = "cut the log into two files there"
-_REMEDY = re.compile(r'call one "[^"]+"(?: or "[^"]+")*|--set \w+=\w+(?:,\w+)?|--units "[^"]+"')
+_REMEDY = re.compile(r'call one (?:"[^"]+"(?: or )?)+|--set [\w=,]+(?: \([^)]+\))?|--units "[^"]+"')
 
 _ASKED = {"set", "setpoint", "sp", "target", "ref", "reference", "demand", "desired", "goal", "cmd",
           "command", "commanded", "soll"}  # fmt: skip
@@ -243,19 +243,18 @@ class LogRecipe(Recipe):
     def _missing(self, name: str, there: Sequence[Heading], taken: Collection[int]) -> NoReturn:
         if name in self.wanted.drives:
             self._check_needs(there)
-        have = ", ".join(shown(each.text) for each in there)
+        units, have = self.wanted.units[name], ", ".join(shown(each.text) for each in there)
         free = [each for k, each in enumerate(there) if k not in taken]
         called, more = self._call(name, free), ""
-        call = f": call one {called}" if called else ""
-        other = self._other_reading(free) if name == self.wanted.reads else None
-        if other:
-            call, more = "", f'; with reads="{other}" (--set reads={other}) the model reads that'
+        if other := self._other_reading(free) if name == self.wanted.reads else None:
+            called, more = "", f'; with reads="{other}" (--set reads={other}) the model reads that'
         if name in self.wanted.inputs and not self.wanted.needed:
             more = "; where nothing acted, write a column of zeros"
         if name in self.wanted.constants:
-            more = f"; or state its value, as by --set {name}=VALUE"
+            unit = "K if the readings are, else degC" if units[0] == "K" else units[0]
+            more = f"; or state its value, as by --set {name}=VALUE ({unit})"
         raise ScenarioError(
-            f'column "{name}" is missing; there are {have}{call}; '
+            f'column "{name}" is missing; there are {have}{": call one " * bool(called)}{called}; '
             f"allowed are {self.wanted}, or the same in other units{more}"
         )
 
@@ -265,13 +264,14 @@ class LogRecipe(Recipe):
         ways = [each if each.unit else each.find_unit(units) or each for each in there]
         # One that states another quantity is not to be called so.
         fit = [way for way in ways if way.fits(units)] or [way for way in ways if way.is_open]
-        return " or ".join(dict.fromkeys(f'"{column} ({way.unit or units[0]})"' for way in fit))
+        return " or ".join(dict.fromkeys(f'"{column} ({way.written(units)})"' for way in fit))
 
     def _other_reading(self, there: Sequence[Heading]) -> str | None:
         """What the model could read of some columns: by a name, or else by another unit."""
         pairs = [*product(self.also_reads.items(), there)]
-        named = (name for (name, unit), each in pairs if plain(each.bare) in (
-                 plain(name), "position" if unit == "rad" != self.wanted.unit else ""))  # fmt: skip
+        named = (name for (name, unit), each in pairs if not each.words & _ASKED and (
+                 {*plain(name).split()} <= each.words or
+                 ("position" in each.words and unit == "rad" != self.wanted.unit)))  # fmt: skip
         of_unit = (name for (name, unit), each in pairs if unit != self.wanted.unit
                    and each.fits([unit]) and not each.words & _ASKED)  # fmt: skip
         return next(named, next(of_unit, None))

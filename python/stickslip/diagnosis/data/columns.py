@@ -53,6 +53,11 @@ class Heading(NamedTuple):
         """The one of the units that its own is of; the first of them, if of none."""
         return next((each for each in units if self.unit and is_of(self.unit, each)), units[0])
 
+    def written(self, units: Sequence[str]) -> str:
+        """The unit to write in it as one of some quantities: its own, or of counts an example."""
+        counts = {"count", "counts", "tick", "ticks"} & {*self.words, self.unit}
+        return "rev/4096" if counts and "rad" in units else self.unit or units[0]
+
     def fits(self, units: Sequence[str]) -> bool:
         """Whether it states one of the units, or one of the same quantity."""
         return any(self.unit and is_of(self.unit, each) for each in units if each != "-")

@@ -1,7 +1,7 @@
 """What counts as a reading of a record: rows that no sensor gave by itself are found here.
 
 A logger that is faster than its sensor writes each reading again; tools fill in rows by lines; a
-drive gives the mean of its last readings; an angle begins anew; a sensor stands at an end of its
+device gives the mean of its last readings; an angle begins anew; a sensor stands at an end of its
 range. Each is told from the readings alone, before any search, with one note.
 """
 
@@ -31,7 +31,7 @@ _FEWEST, _REGULAR, _CLEAR = 20, 0.95, 3.0
 how many times larger than by chance or by rounding what shows it has to be. Chosen."""
 
 _LEAST, _LONGEST, _DEEP = 5, 24, 20.0
-"""Fewest readings at an end of a range and about a zero of a spectrum, the longest mean of a drive,
+"""Fewest readings at an end of a range and about a zero of a spectrum, the longest mean of rows,
 and by how many nats a spectrum has to tell it. Chosen: 153 sound logs have at most 3, means of 3 to
 24 rows at least 34; a mean of 2 rows is told from no other noise."""
 
