@@ -165,3 +165,15 @@ def test_sound_tracks_get_no_warning():
         told, far = told + said, far + (off > 5.0)
     assert told <= 2
     assert far <= 2
+
+
+@pytest.mark.parametrize("how", ["each frame three times", "filled in by lines"])
+def test_frames_that_a_camera_did_not_take_are_left_out(how):
+    t, x = film(IPP, 100.0, np.random.default_rng(4))
+    fine = np.arange(3 * len(t) - 2) / 3.0
+    place = x[fine.astype(int)] if "each" in how else np.interp(fine, np.arange(len(t)), x)
+    plain = velocity_of_track(t, x, IPP)
+    with pytest.warns(UserWarning, match="frames are repeats, lines between others"):
+        found = velocity_of_track(np.interp(fine, np.arange(len(t)), t), place, IPP)
+    assert found["velocity"] == pytest.approx(plain["velocity"], rel=1e-3)
+    assert found["standard_error"] == pytest.approx(plain["standard_error"], rel=0.05)
