@@ -4,11 +4,14 @@ Without errors of readings its models agree with the integrators that make the l
 at denser times here, since for lags they take lines between readings.
 """
 
+import itertools
+
 import numpy as np
 import pytest
 from score import made, unlisted
 from score.problems import question
 
+from stickslip import Series
 from stickslip.diagnosis.model import bare_problem
 
 DENSE = 8  # times for a reading
@@ -72,3 +75,12 @@ def test_a_log_is_as_its_condition_says():
     assert 0.8 * made.COUNT < len(rough.t) < 0.97 * made.COUNT
     at = np.flatnonzero(np.diff(late.inputs["command"]))[0]
     assert late.plain[at] == 0.0 != late.plain[at + 1]  # it moves before the log has the switch
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("condition", ["clean", "rounded", "missing", "correlated", "all three"])
+def test_sound_logs_have_no_note_on_what_counts_as_a_reading(condition):
+    for seed, machine in itertools.product(range(5000, 5004), made.MACHINES):
+        log = made.made(made.Key(seed, machine, "", 0.0, condition))
+        series = Series(log.t, log.y, log.inputs, unit=log.unit)
+        assert (series.own_notes, len(series.pieces())) == ((), 1), (seed, machine)
