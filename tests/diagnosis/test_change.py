@@ -73,7 +73,7 @@ CASES = {
     "nothing": (log(1), log(2), "none", (), 0),
     "nothing, beside an error of the model": (log(1, more=WAVE), log(2, more=WAVE), "none", (), 0),
     "nothing, beside an error of the model at other inputs": (
-        log(1, more=WAVE), log(2, OTHER, more=WAVE), "none", (), 0),
+        log(1, more=WAVE), log(2, OTHER, more=WAVE), "unexplained", (), 0),
     "what nobody lists, at other inputs": (
         log(1), log(2, OTHER, more=WAVE), "unexplained", (), 0),
     "one log twice": (log(1), log(1), "none", (), 0),
