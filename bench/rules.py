@@ -60,21 +60,9 @@ def numbers() -> Iterator[tuple[str, list[Patch]]]:
 def of_decision() -> dict[str, list[Patch]]:
     """The rules of the decision: patches by words."""
     nothing: Callable[..., list[Any]] = lambda *_, **__: []  # noqa: E731
-    off = {
-        "twins left open": ("_open_twins", nothing), "size at an end": ("_at_end", nothing),
-        "pattern in the settings": ("follows_settings", lambda *_: False),
-        "nothing less explains": ("_nothing_less", lambda *_: False),
-        "proof of what explains": ("_proven", lambda *_: True),
-        "share and gain": ("_takes_little", nothing),
-        "all against a discrepancy": ("_against", nothing),
-        "own gain of blocks": ("in_blocks", lambda _: False),
-        "misfit of both sides": ("chance_of_other_constants", lambda *_: 0.0),
-        "far constants prove": ("FAR_OFF", math.inf),
-    }  # fmt: skip
-    rules: dict[str, list[Patch]] = {name: [(verdict, *each)] for name, each in off.items()}
+    rules: dict[str, list[Patch]] = {"share and gain": [(verdict, "_takes_little", nothing)]}
     certain: Callable[..., Any] = lambda *_, **__: gain.Gain(1.0, 0.0, (0.5, 1.5))  # noqa: E731
     rules["held-out gain"] = [(one, "measured", certain) for one in (verdict, gain)]
-    rules["half a lead between twins"] = [(posterior, "ALIKE", 2.0)]
     return rules | dict(numbers())
 
 

@@ -23,7 +23,6 @@ from stickslip import (
     models,
     read_measurement,
 )
-from stickslip.diagnosis.decision.misfit_test import chance_of_other_constants
 
 T = 0.01 * np.arange(120)
 TORQUE, OTHER = (np.repeat(np.random.default_rng(k).uniform(-0.5, 0.5, 12), 10) for k in (1, 2))
@@ -74,7 +73,7 @@ CASES = {
     "nothing": (log(1), log(2), "none", (), 0),
     "nothing, beside an error of the model": (log(1, more=WAVE), log(2, more=WAVE), "none", (), 0),
     "nothing, beside an error of the model at other inputs": (
-        log(1, more=WAVE), log(2, OTHER, more=WAVE), "none", (), 0),
+        log(1, more=WAVE), log(2, OTHER, more=WAVE), "unexplained", (), 0),
     "what nobody lists, at other inputs": (
         log(1), log(2, OTHER, more=WAVE), "unexplained", (), 0),
     "one log twice": (log(1), log(1), "none", (), 0),
@@ -108,20 +107,6 @@ def test_a_difference_is_told_by_name_and_sign(name):
         apart = told["after"][base] - told["before"][base]
         wanted = {"after]": sign, "before]": -1, "": 0}[side] * true
         assert apart == pytest.approx(wanted, abs=4.0 * result.params["sd"][first])
-
-
-def test_a_misfit_of_both_sides_is_judged_by_the_constants_that_both_have():
-    before, after, *_ = CASES["nothing, beside an error of the model at other inputs"]
-    result = diagnose_change(JOINT, before, after)
-    (reason,), fitted = result.verdict.reasons, result.findings.models
-    assert reason.code == "misfit-of-both"
-    null = next(each for each in fitted.leaders() if not each.causes)
-    shared = [each for each in fitted.offered if each.name in ("inertia[after]", "viscous[after]")]
-    others = [each for each in fitted.offered if each not in shared]
-    assert len(shared) == 2 < len(others)
-    for offered, chance in ((shared, reason.value), (others, 0.0)):
-        fitted.offered = offered
-        assert chance_of_other_constants(fitted, null) == pytest.approx(chance, rel=1e-9)
 
 
 def test_what_is_late_on_the_earlier_side_is_no_early_one_of_the_later():

@@ -219,13 +219,12 @@ def test_a_lost_row_has_the_same_price_in_every_form(name, count):
     assert form.cost(some, h) - form.cost(alone, h) == pytest.approx(count * LOST**2)
 
 
-@pytest.mark.parametrize("name", ["exact", "smooth"])
-def test_held_out_errors_are_those_of_refits(name):
+def test_held_out_errors_are_those_of_refits():
     posed = problem(data(0.3 * np.sin(5.0 * X)), [WAVE])
-    found = fitted(posed, [WAVE], name)
+    found = fitted(posed, [WAVE])
     parts = parts_of(posed)
-    errors = held_out(posed, found, name, parts)
-    covariance = dense(posed, name, found.h)
+    errors = held_out(posed, found, parts)
+    covariance = dense(posed, "exact", found.h)
     for rows in parts[:3]:
         kept = np.setdiff1d(np.arange(30), rows)
         weight = np.linalg.inv(covariance[np.ix_(kept, kept)])
@@ -246,7 +245,7 @@ def test_a_refit_that_meets_the_end_of_a_range_moves_the_rest():
     block = posed(table, sliding_block.push, sliding_block.UNCERTAIN, sliding_block.LAWS)
     (law,) = (each for each in block.causes if each.name == law.name)
     null, found = (fitted(block, causes) for causes in ([], [law]))
-    missed = np.abs(held_out(block, found, "exact", parts_of(block))) / block.sd
+    missed = np.abs(held_out(block, found, parts_of(block))) / block.sd
     # Of a right model about sqrt(2 / pi), and more at the ends of a law that is known by its data.
     assert np.mean(missed) < 1.6
     assert measured(block, null, found).certain

@@ -143,7 +143,7 @@ def test_the_reference_has_each_word_that_is_written(results):
 
 
 def test_a_leader_that_takes_most_is_told_first_though_it_is_not_named(rough):
-    reason = CauseNote("pattern-left", "What {} leaves follows the settings.", ["bump"])
+    reason = CauseNote("uncertain-gain", "{} predicts held-out readings worse.", ["bump"])
     first = {}
     for name in ("bump", "wave"):
         leader = rough.findings.models.get([name])
@@ -152,8 +152,8 @@ def test_a_leader_that_takes_most_is_told_first_though_it_is_not_named(rough):
         )
         first[name] = told.summary().split("\n")[0]
     assert first["bump"].startswith(
-        "A bump in the middle takes 85 % of the model's squared error, but is not named: what a"
-        " bump in the middle leaves follows the settings"
+        "A bump in the middle takes 85 % of the model's squared error, but is not named: a"
+        " bump in the middle predicts held-out readings worse"
     )
     assert first["wave"].startswith("Something is wrong that none of the 5 listed causes explains.")
 

@@ -4,11 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
 
-from stickslip import Cause, Prior, Series, diagnose_model, models
+from stickslip import Cause, Prior, Series, diagnose_model
 from stickslip.diagnosis.data.table import Table
-from stickslip.diagnosis.decision.gain import Gain, in_blocks, measured
+from stickslip.diagnosis.decision.gain import Gain
 from stickslip.diagnosis.decision.misfit_test import GOF_LEVEL, goodness_of_fit
 from stickslip.diagnosis.decision.posterior import Posterior, posterior
 from stickslip.diagnosis.decision.verdict import _takes_little
@@ -110,52 +109,32 @@ def test_what_is_sure_and_what_a_set_holds_has_19_of_20(chance, sure, members):
     assert [fit.name for fit in found.smallest_set()] == [*one][:members]
 
 
-@pytest.mark.nightly
-def test_what_is_left_beside_a_dominant_cause_must_not_follow_the_settings():
-    """The same size of error, as scatter and as a wave over the one setting."""
-    x = np.linspace(0.0, 1.0, 40)
-    scatter = np.random.default_rng(5).standard_normal(40)
-    wave = np.sqrt(2.0) * np.cos(12.0 * x)
-    kinds = {}
-    for name, error in {"scatter": scatter, "wave": wave}.items():
-        result = diagnose_model(
-            lambda t, p: p["level"] + p["slope"] * t["x"],
-            Table({"x": x}, 1.0 + 2.0 * x + 0.15 * error, sd=0.02),
-            [Parameter("level", Prior("normal", 1.0, 0.1))],
-            [Cause("slope", Parameter("slope", low=-20.0, high=20.0, size=1.0))],
-        )
-        kinds[name] = result.verdict.kind, [note.code for note in result.verdict.reasons]
-    assert kinds["scatter"][0] == "dominant"
-    assert kinds["wave"] == ("unexplained", ["pattern-left"])
-
-
 @pytest.mark.parametrize(
-    ("share", "intervals", "against"),
+    ("share", "interval", "against"),
     [
-        (0.69, [(0.1, 2.0), (0.1, 2.0)], ["small-share"]),
-        (0.71, [(0.1, 2.0), (0.1, 2.0)], []),
-        (0.89, [(0.1, 2.0), (-0.1, 2.0)], ["uncertain-gain"]),
-        (0.89, [(0.1, 2.0), None], ["uncertain-gain"]),
-        (0.91, [(-0.1, 2.0), None], []),
-        (0.91, [(0.1, 2.0), (-2.0, -0.1)], ["uncertain-gain"]),
+        (0.69, (0.1, 2.0), ["small-share"]),
+        (0.71, (0.1, 2.0), []),
+        (0.89, (-0.1, 2.0), ["uncertain-gain"]),
+        (0.89, None, ["uncertain-gain"]),
+        (0.91, (-0.1, 2.0), []),
+        (0.91, None, []),
+        (0.91, (-2.0, -0.1), ["uncertain-gain"]),
     ],
 )
-def test_causes_that_take_nearly_all_only_must_not_predict_worse(share, intervals, against):
+def test_causes_that_take_nearly_all_only_must_not_predict_worse(share, interval, against):
     (leader,) = found(data(extra(wave=0.4))).models.leaders(1)
-    gains = [each and Gain(2.0, 1.0, each) for each in intervals]
-    assert [note.code for note in _takes_little(leader, share, gains)] == against
+    gain = interval and Gain(2.0, 1.0, interval)
+    assert [note.code for note in _takes_little(leader, share, gain)] == against
 
 
 @pytest.mark.nightly
 def test_a_set_asks_what_a_claim_asks():
-    """Two near twins beside scatter of a fifth of their effect, of thrice, and with a size at the
-    end of its range.
-    """
+    """Two near twins beside scatter of an eighth of their size, and of three quarters."""
     x = np.linspace(0.0, 1.0, 60)
     scatter = np.random.default_rng(6).standard_normal(60)
     kinds = {}
-    for size, high in ((0.02, 20.0), (0.3, 20.0), (0.02, 0.3)):
-        amplitude = {"low": -20.0, "high": high, "size": 0.3}
+    for size in (0.05, 0.3):
+        amplitude = {"low": -20.0, "high": 20.0, "size": 0.3}
         twins = [Cause(name, Parameter(name, **amplitude)) for name in ("sine", "hump")]
         result = diagnose_model(
             lambda t, p: (
@@ -167,33 +146,9 @@ def test_a_set_asks_what_a_claim_asks():
             [Parameter("level", Prior("normal", 1.0, 0.01))],
             twins,
         )
-        codes = {note.code for note in result.verdict.reasons}
-        kinds[size, high] = result.verdict.kind, "size-at-end" in codes
+        kinds[size] = result.verdict.kind
         assert set(result.verdict.probabilities) >= {"sine", "hump"}
-    assert kinds == {
-        (0.02, 20.0): ("ambiguous", False), (0.3, 20.0): ("unexplained", False),
-        (0.02, 0.3): ("unexplained", True),
-    }  # fmt: skip
-
-
-def late(table, p):
-    """A line, a wave, and what acts on its last reading alone."""
-    x = table["x"]
-    last = p.get("late.size", 0.0) * (x > 2.95)
-    return p["slope"] * x + p["level"] + p.get("wave.height", 0.0) * np.sin(5.0 * x) + last
-
-
-LATE = Cause("late", Parameter("late.size", size=0.5, low=-5.0, high=5.0), "the last reading")
-
-
-def test_a_pair_without_which_nothing_explains_the_data_needs_no_other_proof():
-    # The second cause moves one of thirty readings, so that no other part tells its size.
-    table = data(0.6 * np.sin(5.0 * X) + 1.2 * (X > 2.95))
-    result = diagnose_model(late, table, [SLOPE, LEVEL], [WAVE, LATE, BEND])
-    models = result.findings.models
-    second = measured(result.problem, models.get(["wave"]), models.get(["wave", "late"]))
-    assert second.interval[0] < 0.0
-    assert (result.verdict.kind, result.verdict.causes) == ("pair", ("late", "wave"))
+    assert kinds == {0.05: "ambiguous", 0.3: "unexplained"}
 
 
 def ends(table, p):
@@ -266,19 +221,6 @@ def test_causes_that_no_reading_tells_apart_are_in_the_order_of_their_names():
     assert names == ["none", "alpha", "mu", "zeta"]
 
 
-def test_a_constant_far_off_beside_a_cause_needs_no_held_out_proof():
-    # Twelve stated errors off: where it counts as stated it predicts as well.
-    t, joint = 0.01 * np.arange(400), {"inertia": 2e-3, "viscous": 8e-3, "coulomb": 0.024}
-    torque = 0.1 * np.sin(2.1 * t) + 0.05 * np.sin(7.3 * t)
-    speed = models.joint(**joint, reads="speed").simulate(t, {"torque": torque})
-    part = -np.expm1(-0.01 / 0.03)
-    y = lfilter([part], [1.0, part - 1.0], speed) + 0.02 * np.random.default_rng(1).normal(size=400)
-    stated = {**joint, "inertia": (2e-3, 1e-4), "coulomb": (0.012, 0.001)}
-    model = models.joint(**stated, reads="speed")
-    verdict = diagnose_model(model, Series(t, y, {"torque": torque}, unit="rad/s")).verdict
-    assert (verdict.kind, verdict.causes) == ("pair", ("coulomb", "slow sensor"))
-
-
 @pytest.mark.nightly
 def test_errors_of_the_fit_of_all_causes_prove_no_name():
     # A wave that nobody lists counts as noise; the step beside it hardly lowers what is left.
@@ -289,46 +231,6 @@ def test_errors_of_the_fit_of_all_causes_prove_no_name():
     result = run(with_scatter(problem(table, (STEP, BEND, WAVE)), 0), 0)
     assert [each.of_fit for each in result.problem.errors] == [True]
     assert result.verdict.kind == "unexplained"
-
-
-def test_what_changes_slowly_beside_a_dominant_cause_is_said():
-    x = np.linspace(1.0, 3.0, 200)
-    slow = np.cos(2.0 * x + 1.0) + 0.7 * np.cos(3.4 * x)
-    noise = 0.02 * np.random.default_rng(7).standard_normal(200)
-    y = x + 0.8 * np.sin(5.0 * x) + 0.12 * slow + noise
-    verdict = found(Table({"x": x}, y, sd=0.02, run=np.zeros(200, dtype=int)), (WAVE, STEP)).verdict
-    assert (verdict.kind, verdict.causes) == ("dominant", ("wave",))
-    assert [note.code for note in verdict.reasons] == ["long-correlation"]
-
-
-@pytest.mark.parametrize("size", [0.05, 0.2])
-@pytest.mark.daily("0.2")
-def test_twins_stay_open_beside_what_is_as_large_as_they_differ_by(size):
-    """A wave and the same 0.25 later, of an rms difference of 0.14, beside slow waves."""
-    x = np.linspace(1.0, 3.0, 200)
-    slow = np.cos(9.0 * x + 1.0) + 0.7 * np.cos(13.4 * x)
-    noise = 0.01 * np.random.default_rng(7).standard_normal(200)
-    y = x + 0.8 * np.sin(5.0 * x) + size * slow + noise
-    table = Table({"x": x}, y, sd=0.01, run=np.zeros(200, dtype=int))
-    verdict = found(table, (WAVE, TWIN, STEP)).verdict
-    kind, causes, code = {
-        0.05: ("dominant", ("wave",), "long-correlation"),
-        0.2: ("ambiguous", ("wave", "twin"), "twins-left-open"),
-    }[size]
-    assert (verdict.kind, verdict.causes) == (kind, causes)
-    assert [note.code for note in verdict.reasons] == [code]
-    assert verdict.fit.name == "wave"
-
-
-def test_only_runs_and_blocks_have_no_neighbours_in_other_parts():
-    t = np.arange(40.0)
-    tables = [
-        (Series(t, t, {"x": t}, sd=1.0), False),
-        (Table({"x": t}, t, sd=1.0), False),
-        (Table({"x": t}, t, sd=1.0, run=np.zeros(40, dtype=int)), False),
-        (Table({"x": t}, t, sd=1.0, run=np.repeat(range(4), 10)), True),
-    ]
-    assert [in_blocks(problem(table)) for table, _ in tables] == [wanted for _, wanted in tables]
 
 
 @pytest.mark.parametrize("sd", [0.002, 0.0005])

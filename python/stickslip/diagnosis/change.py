@@ -108,10 +108,6 @@ class TwoSides(Rivals):
     known: Mapping[str, float]
     shared: Collection[str]
 
-    @property
-    def cancels(self) -> bool:
-        return self.order is not None
-
     def of_side(self, k: int, p: Mapping[str, Any]) -> dict[str, Any]:
         """Parameters of the problem of a side; absent differences need not be given."""
         side, own = f"[{SIDES[k]}]", {}

@@ -20,7 +20,7 @@ from scipy.stats import t as t_law
 from stickslip._util.arrays import Array, Indices
 from stickslip._util.text import OneLine
 from stickslip.diagnosis.decision.candidate import Candidate
-from stickslip.diagnosis.decision.posterior import ALIKE, SURE, cosine_of_swap
+from stickslip.diagnosis.decision.posterior import SURE
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import RELAXED, Problem
 from stickslip.diagnosis.fitting.responses import Response
@@ -31,8 +31,11 @@ from stickslip.diagnosis.terms.words import of_side
 BOUND = 0.95
 """Confidence of an upper limit."""
 
-PARTS = 4.0 * math.log(SURE / (1.0 - SURE))
-"""Chi-square that tells two causes alike apart: half of their lead counts, and is to reach 95 %."""
+ALIKE = 0.9
+"""Cosine of the projected effects of two causes above which they act alike. Chosen."""
+
+PARTS = 2.0 * math.log(SURE / (1.0 - SURE))
+"""Chi-square that tells two causes alike apart: one is to reach 95 % of both."""
 
 _MOST = 1e3
 """Multiple of the data beyond which no number of them is said to help. Chosen."""
@@ -158,7 +161,7 @@ def _exchanged(models: Models, fit: Fit, fits: Sequence[Fit]) -> list[Alike]:
     problem, form, pairs = models.problem, models.forms[fit.form], []
     for rival in fits:
         other = models.get(rival.names, fit.form) or rival
-        cosine = abs(cosine_of_swap(models, fit, other)) if fit.swaps(other) else 0.0
+        cosine = abs(_cosine_of_swap(models, fit, other)) if fit.swaps(other) else 0.0
         if cosine <= ALIKE:
             continue
         gap = fit.residual - other.residual
@@ -166,6 +169,23 @@ def _exchanged(models: Models, fit: Fit, fits: Sequence[Fit]) -> list[Alike]:
         (cause,), (twin,) = fit.names - other.names, other.names - fit.names
         pairs.append(_alike(problem, (cause, twin), cosine, _lead(models, fit, other), apart, gap))
     return pairs
+
+
+def _cosine_of_swap(models: Models, one: Fit, other: Fit) -> float:
+    """Cosine of the effects of the causes that two models do not share.
+
+    Effects are beyond the model of what they share, in the stated errors, without what its
+    parameters can undo.
+    """
+    base, problem = models.get(one.names & other.names) or models.null, models.problem
+    lower = np.linalg.cholesky(base.precision)
+    basis = np.linalg.qr(np.vstack([problem.whitened(base.slopes), lower.T]))[0]
+    rows = np.zeros((2, len(basis)))
+    changes = [base.residual - fit.residual for fit in (one, other)]
+    rows[:, : len(base.residual)] = problem.whitened(np.stack(changes, axis=1)).T
+    rows -= (rows @ basis) @ basis.T
+    size = np.linalg.norm(rows, axis=1)
+    return float(rows[0] @ rows[1] / max(size[0] * size[1], 1e-300))
 
 
 def _lead(models: Models, fit: Fit, other: Fit) -> float:

@@ -12,7 +12,7 @@ from stickslip._util.arrays import Array, Indices
 from stickslip._util.text import OneLine
 from stickslip.diagnosis.data.series import STRETCHES, Series
 from stickslip.diagnosis.fitting.descent import step_within
-from stickslip.diagnosis.fitting.forms import Correlated, Form, forms
+from stickslip.diagnosis.fitting.forms import Exact
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.search import Models
@@ -56,18 +56,6 @@ def parts_of(problem: Problem) -> list[Indices]:
     return _numbered(groups * min(STRETCHES, number) // number)
 
 
-def in_blocks(problem: Problem) -> bool:
-    """Whether what is held out has no neighbours in the other parts: whole runs or blocks.
-
-    Else a form of correlated errors fills in a held-out reading from its neighbours, with a cause
-    or without.
-    """
-    return all(
-        not isinstance(table, Series) and int(table.group.max()) + 1 < len(table.group)
-        for table in problem.tables
-    )
-
-
 def _finer(problem: Problem, effect: Array, parts: list[Indices]) -> list[Indices]:
     """Parts of equal shares of an effect, (n,), if one of `parts` has more than half of it.
 
@@ -98,19 +86,17 @@ def gain_of(models: Models, fit: Fit) -> Gain | None:
     return measured(models.problem, models.null, models.get(fit.names) or fit)
 
 
-def measured(problem: Problem, before: Fit, after: Fit, form: str = "exact") -> Gain | None:
-    """The gain of one fit over another; None of too few parts.
+def measured(problem: Problem, before: Fit, after: Fit) -> Gain | None:
+    """The gain of one fit over another, by plain least squares; None of too few parts.
 
-    Refits are of the models that are linearised at their fits: by plain least squares (form
-    ``exact``), or each in the inner product of its own form.
+    Refits are of the models that are linearised at their fits.
     """
     parts = parts_of(problem)
     if len(parts) < _FEWEST:
         return None
     finer = _finer(problem, (before.residual - after.residual) / problem.sd, parts)
     parts = finer or parts
-    errors = [held_out(problem, fit, fit.form if form == "own" else "exact", parts, not finer)
-              for fit in (before, after)]  # fmt: skip
+    errors = [held_out(problem, fit, parts, not finer) for fit in (before, after)]
     size = [np.abs(values) / problem.sd for values in errors]
     falls = np.array([np.mean(size[0][rows]) - np.mean(size[1][rows]) for rows in parts])
     half = float(t_law.ppf(0.975, len(parts) - 1) * falls.std(ddof=1) / math.sqrt(len(parts)))
@@ -121,16 +107,13 @@ def measured(problem: Problem, before: Fit, after: Fit, form: str = "exact") -> 
     return Gain(means[0], means[1], interval, maes[0], maes[1], len(parts))
 
 
-def held_out(
-    problem: Problem, fit: Fit, form: str, parts: list[Indices], shapes: bool = True
-) -> Array:
+def held_out(problem: Problem, fit: Fit, parts: list[Indices], shapes: bool = True) -> Array:
     """Errors of predictions of each part by a fit of the others, shape (n,), in their units.
 
     Without `shapes` these stay as the whole fit has them: where an event begins is told by the
     reading there alone.
     """
     errors = np.empty(len(problem.y))
-    whole = forms(problem, [form])[form]
     columns = np.column_stack([fit.slopes, fit.residual])
     room = problem.limits[:, fit.free] - fit.x[fit.free]
     if not shapes:
@@ -138,7 +121,7 @@ def held_out(
         still = [not problem.parameters[k].is_amplitude for k in terms]
         room[:, len(problem.constants) :][:, still] = 0.0
     for rows in parts:
-        gram = _gram(problem, whole, fit, columns, rows)
+        gram = _gram(problem, columns, rows)
         curvature = gram[:-1, :-1] + fit.precision
         downhill = gram[:-1, -1] - fit.precision @ fit.x[fit.free]
         move = step_within(curvature, downhill, *room)
@@ -146,23 +129,19 @@ def held_out(
     return errors
 
 
-def _gram(problem: Problem, form: Form, fit: Fit, columns: Array, left_out: Indices) -> Array:
-    """A' C^-1 A without the rows that are held out.
+def _gram(problem: Problem, columns: Array, left_out: Indices) -> Array:
+    """A' C^-1 A without the rows that are held out; weights are of the residual, the last column.
 
     Rows whose columns are zero do not count in an inner product of independent errors. Where errors
     are correlated, the held-out rows are free: each has a column of its own that is eliminated.
     """
-    only = columns.copy()
-    only[left_out] = 0.0
-    independent = all(errors.covariance is None for errors in problem.errors)
-    h = fit.h if form.name == fit.form else np.zeros(len(form.names))
-    if form.name in ("exact", "white") and independent:
-        return form.weighted(form.prepared(only), fit.residual, h)
-    if isinstance(form, Correlated):
-        form = form.of_rows(np.delete(np.arange(len(columns)), left_out))
-        return form.gram(form.prepared(columns), h)
+    form, none = Exact(problem), np.zeros(0)
+    if all(errors.covariance is None for errors in problem.errors):
+        only = columns.copy()
+        only[left_out] = 0.0
+        return form.weighted(form.prepared(only), columns[:, -1], none)
     ones = np.zeros((len(columns), len(left_out)))
     ones[left_out, np.arange(len(left_out))] = 1.0
-    gram = form.gram(form.prepared(np.hstack([columns, ones])), h)
+    gram = form.gram(form.prepared(np.hstack([columns, ones])), none)
     k = columns.shape[1]
     return np.asarray(gram[:k, :k] - gram[:k, k:] @ np.linalg.solve(gram[k:, k:], gram[k:, :k]))

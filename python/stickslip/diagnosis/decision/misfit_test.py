@@ -9,20 +9,15 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2, rankdata
 
 from stickslip._util.arrays import Array
-from stickslip.diagnosis.fitting.descent import finished
-from stickslip.diagnosis.fitting.models import Fit, minimise
+from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.problem import Problem, lack_of_fit
 from stickslip.diagnosis.fitting.responses import Response
-from stickslip.diagnosis.fitting.search import Models
-from stickslip.diagnosis.terms.words import of_side
 
 ALPHA = 0.05
 """Rate of false alarms: the usual choice."""
@@ -30,9 +25,6 @@ ALPHA = 0.05
 GOF_LEVEL = 0.01
 """A model explains the data whose lack of fit has at least this p-value: 1 % of true models are
 refused. Chosen."""
-
-# Permutations, and fewest and most readings of a table whose settings count. Chosen.
-_PERMUTED, _FEWEST, _MOST = 999, 8, 1000
 
 # Draws of pure noise: a p-value of 0.05 is then known to 0.003; of so many readings, or numbers of
 # all directions, to 0.007. Numbers that are drawn at a time, 2 MiB. Signal below which a response
@@ -65,57 +57,6 @@ def goodness_of_fit(problem: Problem, fit: Fit) -> float:
     stated = float(np.sum(fit.x[:count][tight] ** 2))
     free = len(problem.y) - (len(fit.free) - int(tight.sum()))
     return lack_of_fit(problem, fit.chi2 + stated, free)
-
-
-def chance_of_other_constants(models: Models, null: Fit) -> float:
-    """p-value of what other constants afterwards explain, beside the discrepancy of a null model.
-
-    0 where nothing is compared, where errors of the model that both sides have cancel, or where one
-    side alone has a misfit: there whatever is left is a difference.
-    """
-    problem = models.problem
-    others = [each for each in models.offered if of_side(each.name)[0] in problem.rivals.shared]
-    if problem.rivals.cancels or not others:
-        return 0.0
-    misfit, count = Counter[str](), Counter[str]()
-    for table, square in zip(problem.tables, problem.chi2_of_tables(null.residual[None])[:, 0],
-                             strict=True):  # fmt: skip
-        misfit[table.side] += square
-        count[table.side] += len(table.mean)
-    if any(lack_of_fit(problem, misfit[side], count[side]) >= ALPHA for side in count):
-        return 0.0
-    form = models.forms[null.form]
-    try:
-        fit = finished(problem, minimise(problem, form, others, null.x, h=null.h))
-    except np.linalg.LinAlgError:  # nothing can be fitted there, and so nothing said
-        return 0.0
-    costs = form.cost(np.stack([null.residual, fit.residual]), null.h)
-    return float(chi2.sf(costs[0] - costs[1], len(others)))
-
-
-def follows_settings(problem: Problem, fit: Fit) -> bool:
-    """Whether what a fit leaves is alike at neighbouring settings, so that it is no scatter.
-
-    By the product of each residual with those at the two nearest settings of its table, beside
-    that of permuted residuals; all by their ranks, as scatter may be far from normal.
-    """
-    ranks = rankdata(problem.whitened(fit.residual[:, None])[:, 0])
-    centred, random = ranks - ranks.mean(), np.random.default_rng(17)
-    pairs = []
-    for table, part in zip(problem.tables, problem.rows, strict=True):
-        if table.places is not None and _FEWEST <= len(table.places) <= _MOST:
-            z = table.places / np.ptp(table.places, axis=0)
-            apart = np.sum((z[:, None] - z) ** 2, axis=2) + np.diag(np.full(len(z), np.inf))
-            pairs.append((part, np.argsort(apart, axis=1, kind="stable")[:, :2]))
-
-    def alike(mixed: bool) -> float:
-        drawn = [random.permutation(centred[part]) if mixed else centred[part] for part, _ in pairs]
-        return sum(float(np.sum(value[:, None] * value[near]))
-                   for value, (_, near) in zip(drawn, pairs, strict=True))  # fmt: skip
-
-    observed = alike(False)
-    larger = sum(alike(True) >= observed for _ in range(_PERMUTED))
-    return bool(pairs) and 1.0 + larger < ALPHA * (_PERMUTED + 1.0)
 
 
 def tested(problem: Problem, null: Fit, responses: list[Response], seed: int) -> MisfitTest:

@@ -9,24 +9,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeVar
 
-import numpy as np
 from scipy.special import logsumexp
 
-from stickslip._util.arrays import Array
 from stickslip._util.text import OneLine
 from stickslip.diagnosis.decision.misfit_test import GOF_LEVEL, goodness_of_fit
 from stickslip.diagnosis.fitting.models import Fit
-from stickslip.diagnosis.fitting.problem import Problem
 from stickslip.diagnosis.fitting.search import Models
 
 _Key = TypeVar("_Key")
 
 SURE = 0.95
 """Probability that a claim asks for, and that a set holds. The usual choice."""
-
-ALIKE = 0.9
-"""Cosine of the projected effects of two causes above which the lead of one over the other counts
-half: a library's law is not nature's. Chosen."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -76,11 +69,6 @@ def _ordered(chances: Mapping[_Key, float]) -> list[_Key]:
 def posterior(models: Models) -> Posterior:
     """Probabilities of all fitted models and forms."""
     weights = {key: models.log_posterior(fit) for key, fit in models.best.items()}
-    first = models.leaders(1)[0]
-    top = models.log_posterior(first)
-    for key, fit in models.best.items():
-        if fit.swaps(first) and abs(cosine_of_swap(models, first, fit)) > ALIKE:
-            weights[key] = top - 0.5 * (top - weights[key])
     total = float(logsumexp(list(weights.values())))
     by_set = defaultdict[frozenset[str], float](float)
     for (names, _), weight in sorted(weights.items(), key=lambda item: sorted(item[0][0])):
@@ -95,27 +83,6 @@ def posterior(models: Models) -> Posterior:
             causes[name] = min(1.0, causes[name] + chance)  # rounding may pass 1
     causes = {name: causes[name] for name in _ordered(causes)}
     return Posterior(fits, {fit.name: by_set[fit.names] for fit in fits}, causes)
-
-
-def cosine_of_swap(models: Models, one: Fit, other: Fit) -> float:
-    """Cosine of the effects of the causes that two models do not share.
-
-    Effects are beyond the model of what they share, in the stated errors, without what its
-    parameters can undo.
-    """
-    shared = models.get(one.names & other.names) or models.null
-    return cosine(models.problem, shared, *(shared.residual - fit.residual for fit in (one, other)))
-
-
-def cosine(problem: Problem, base: Fit, one: Array, other: Array) -> float:
-    """Cosine of two changes of the predictions, (n,), beyond what a fit's parameters can undo."""
-    lower = np.linalg.cholesky(base.precision)
-    basis = np.linalg.qr(np.vstack([problem.whitened(base.slopes), lower.T]))[0]
-    rows = np.zeros((2, len(one) + len(base.free)))
-    rows[:, : len(one)] = problem.whitened(np.stack([one, other], axis=1)).T
-    rows -= (rows @ basis) @ basis.T
-    size = np.linalg.norm(rows, axis=1)
-    return float(rows[0] @ rows[1] / max(size[0] * size[1], 1e-300))
 
 
 def discrepancy(fit: Fit) -> float:

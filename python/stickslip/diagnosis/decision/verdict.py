@@ -3,35 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-import numpy as np
-
 from stickslip._util.note import Note
 from stickslip._util.text import OneLine
-from stickslip.diagnosis.decision.gain import Gain, gain_of, in_blocks, measured
-from stickslip.diagnosis.decision.misfit_test import (
-    ALPHA,
-    GOF_LEVEL,
-    MisfitTest,
-    chance_of_other_constants,
-    follows_settings,
-    goodness_of_fit,
-)  # fmt: skip
+from stickslip.diagnosis.decision.gain import Gain, gain_of, measured
+from stickslip.diagnosis.decision.misfit_test import GOF_LEVEL, MisfitTest, goodness_of_fit
 from stickslip.diagnosis.decision.posterior import (
-    ALIKE,
     SURE,
     Posterior,
-    cosine_of_swap,
     discrepancy,
     posterior,
     share,
 )
-from stickslip.diagnosis.fitting.forms import HYPER
 from stickslip.diagnosis.fitting.models import Fit
-from stickslip.diagnosis.fitting.problem import FAR_OFF
 from stickslip.diagnosis.fitting.search import Models
 from stickslip.diagnosis.terms.amounts import p_text
 from stickslip.diagnosis.terms.cause import CauseNote
@@ -53,15 +40,8 @@ been taken for it. Chosen on 180 logs of which it names 5 more, all rightly."""
 SECOND = 0.1
 """Part by which a further cause lowers the held-out error at least. Chosen with the prototype."""
 
-FAR = 1e-4
-"""p-value below which every model of fewer causes fails, so that causes that explain the data need
-no other proof of the last one. Chosen: a hundredth of `GOF_LEVEL`."""
-
 CALM = 0.5
 """Scatter, in the stated errors, below which these are said to be stated too large. Chosen."""
-
-_AT_BOUND = 0.02  # distance of the logarithm of a correlation time from its largest
-_AT_END = 0.01  # distance of a coordinate from the end of its range
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -136,79 +116,57 @@ def decide(models: Models, test: MisfitTest) -> Verdict:
     if not sure:
         return _set(verdict, models, chance)
     most = next(fit for fit in chance.fits if fit.names & set(sure))
-    return _with_more(verdict, models, test, chance, most, sure)
+    return _with_more(verdict, models, chance, most, sure)
 
 
 def _without_cause(verdict: Verdict, models: Models, test: MisfitTest) -> Verdict:
-    if test.misfit:
-        likeliest = next(fit for fit in models.leaders() if not fit.causes)
-        rival = "an unknown model error"
-        if likeliest.form == "ar1":
-            rival = "correlated errors along a run, of the readings or of the model"
-        chance = chance_of_other_constants(models, likeliest)
-        if chance >= ALPHA:
-            reason = Note("misfit-of-both", (
-                f"Both sides have a misfit that no listed cause explains ({p_text(test.p_value)}); "
-                f"other constants afterwards take no more of it than chance ({p_text(chance)})."
-            ), chance)  # fmt: skip
-            return _with(verdict, "none", (), None, (reason,), models, None)
-        text = f"A misfit is left ({p_text(test.p_value)}); no cause is more probable than {rival}."
-        reason = Note("no-cause-leads", text, test.p_value)
-        gain = gain_of(models, verdict.leader) if verdict.leader else None
-        return _with(verdict, "unexplained", (), None, (reason,), models, verdict.leader, gain)
-    text = f"The recalibrated model explains the data ({p_text(test.p_value)})."
-    reason = Note("nothing-left", text, test.p_value)
-    return _with(verdict, "none", (), None, (reason,), models, None)
+    if not test.misfit:
+        text = f"The recalibrated model explains the data ({p_text(test.p_value)})."
+        reason = Note("nothing-left", text, test.p_value)
+        return _with(verdict, "none", (), None, (reason,), models, None)
+    likeliest = next(fit for fit in models.leaders() if not fit.causes)
+    rival = "an unknown model error"
+    if likeliest.form == "ar1":
+        rival = "correlated errors along a run, of the readings or of the model"
+    text = f"A misfit is left ({p_text(test.p_value)}); no cause is more probable than {rival}."
+    reason = Note("no-cause-leads", text, test.p_value)
+    gain = gain_of(models, verdict.leader) if verdict.leader else None
+    return _with(verdict, "unexplained", (), None, (reason,), models, verdict.leader, gain)
 
 
 def _with_more(
-    verdict: Verdict, models: Models, test: MisfitTest, chance: Posterior, whole: Fit,
-    sure: list[str], reasons: tuple[Note, ...] = (),
+    verdict: Verdict, models: Models, chance: Posterior, whole: Fit, sure: list[str],
+    reasons: tuple[Note, ...] = (),
 ) -> Verdict:  # fmt: skip
-    """Two or three causes, if nothing less explains the data or the last one predicts held-out
-    readings.
+    """Two or three causes, if the last one predicts held-out readings.
 
     Else the better ones without it. If not all of them are sure, what is beside these is left open.
     """
     fewer = [fit for fit in chance.fits if fit.names < whole.names and fit.names & set(sure)]
     if not fewer:
-        return _claimed(verdict, models, test, whole, reasons)
+        return _claimed(verdict, models, whole, reasons)
     member, all_sure = max(fewer, key=models.log_posterior), whole.names <= set(sure)
     if not all_sure and whole.form == "exact":
         # The stated errors ask for a further cause, but not for which one.
         explains = [goodness_of_fit(models.problem, fit) >= GOF_LEVEL for fit in (member, whole)]
         if explains == [False, True]:
             return _set(verdict, models, chance, reasons)
-    if all_sure and _nothing_less(models, whole):
-        return _claimed(verdict, models, test, whole, reasons)
     one, two = (models.get(fit.names) or fit for fit in (member, whole))
     further = measured(models.problem, one, two)
     if further is None:  # too few parts to hold some out
         return _set(verdict, models, chance, reasons)
-    # Constants that are farther off than any estimate predict as well where they count as stated.
-    far = [cause.is_constant and abs(one.x[models.problem.at(cause)]) > FAR_OFF
-           for cause in whole.causes if cause.name not in member.names]  # fmt: skip
-    gains = further.certain and further.after <= (1.0 - SECOND) * further.before
-    if gains or (all_sure and all(far)):
-        claimed = _claimed(verdict, models, test, whole, reasons) if all_sure else None
-        return claimed or _set(verdict, models, chance, reasons)
+    if further.certain and further.after <= (1.0 - SECOND) * further.before:
+        if all_sure:
+            return _claimed(verdict, models, whole, reasons)
+        return _set(verdict, models, chance, reasons)
     reasons += (_refused(whole, member, further),)
     if chance.among_small(member) >= SURE:
-        claim = _with_more(verdict, models, test, chance, member, sure, reasons)
+        claim = _with_more(verdict, models, chance, member, sure, reasons)
         if claim.claims:
             return claim
     # A smaller model is improbable, and the last cause is not proven: both stay open.
     still_open = tuple(dict.fromkeys((whole, member, *verdict.members))) if all_sure else ()
     return _set(verdict, models, chance, reasons, still_open)
-
-
-def _nothing_less(models: Models, whole: Fit) -> bool:
-    """Whether causes explain the data without a discrepancy, and no smaller model comes near."""
-    plain = models.get(whole.names)
-    if plain is None or goodness_of_fit(models.problem, plain) < GOF_LEVEL:
-        return False
-    smaller = [fit for fit in models.best.values() if len(fit.causes) < len(whole.causes)]
-    return all(goodness_of_fit(models.problem, fit) < FAR for fit in smaller)
 
 
 def _refused(whole: Fit, member: Fit, further: Gain) -> Note:
@@ -226,102 +184,29 @@ def _refused(whole: Fit, member: Fit, further: Gain) -> Note:
     return CauseNote("second-cause-predicts-nothing", text, (*others, *sorted(member.names)), fall)
 
 
-def _claimed(
-    verdict: Verdict, models: Models, test: MisfitTest, fit: Fit, reasons: tuple[Note, ...] = ()
-) -> Verdict:
+def _claimed(verdict: Verdict, models: Models, fit: Fit, reasons: tuple[Note, ...] = ()) -> Verdict:
     """One cause or more, named if it explains the data, dominant beside a discrepancy."""
-    problem, names = models.problem, tuple(sorted(fit.names))
-    plain, beside = models.get(fit.names), _beside(models, fit)
-    gains = [gain_of(models, fit)]
-    if in_blocks(problem):
-        own_null = models.get((), fit.form) or models.null
-        gains.append(measured(problem, own_null, fit, "own"))
-    proven = _proven(models, test, fit, gains)
-    explains = plain and goodness_of_fit(problem, plain) >= GOF_LEVEL and not _at_end(models, plain)
+    problem, plain, gain = models.problem, models.get(fit.names), gain_of(models, fit)
+    forms = (one for one in models.leaders() if one.names == fit.names and one.form != "exact")
+    beside = next(forms, fit)
+    explains = plain and goodness_of_fit(problem, plain) >= GOF_LEVEL
     # Errors that were taken from the fit of all causes explain what it leaves by themselves.
-    by_itself = any(errors.of_fit for errors in problem.errors)
-    against = [] if explains and proven and not by_itself else _against(models, beside, gains)
-    if against:
-        notes = (*reasons, *against)
-        return _with(verdict, "unexplained", (), None, notes, models, beside, gains[0])
+    if not explains or any(errors.of_fit for errors in problem.errors):
+        part = share(models, beside) if beside.form != "exact" else 0.0
+        against = _takes_little(beside, part, gain)
+        if against:
+            notes = (*reasons, *against)
+            return _with(verdict, "unexplained", (), None, notes, models, beside, gain)
+    names = tuple(sorted(fit.names))
     kind: Kind = "pair" if len(names) > 1 else "named" if explains else "dominant"
     if plain and explains:
         # Errors that are larger, or alike along a run, leave more of the sizes open.
         likelier = fit if discrepancy(fit) > 0.0 else plain
-        return _with(verdict, kind, names, likelier, reasons, models, plain, gains[0])
-    twins = _open_twins(models, beside)
-    if twins:
-        also = " or ".join("{}" for _ in twins)
-        text = f"What {{}} leaves is as large as what tells it from {also}."
-        named = [fit.name for fit in (beside, *twins)]
-        reasons += (CauseNote("twins-left-open", text, named),)
-        return _left_open(verdict, models, (beside, *twins), reasons, gains[0])
-    if beside.form == "ar1" and math.log(beside.sizes["tau"]) >= HYPER["tau"][3] - _AT_BOUND:
-        text = "What {} leaves drifts over the whole record: something else is missing too."
-        reasons += (CauseNote("long-correlation", text, [beside.name], beside.sizes["tau"]),)
-    return _with(verdict, kind, names, beside, reasons, models, beside, gains[0])
+        return _with(verdict, kind, names, likelier, reasons, models, plain, gain)
+    return _with(verdict, kind, names, beside, reasons, models, beside, gain)
 
 
-def _beside(models: Models, fit: Fit) -> Fit:
-    """A fit of the same causes with a discrepancy, if there is one: the likeliest that is sound."""
-    every = [one for one in models.leaders() if one.names == fit.names and one.form != "exact"]
-    sound = (one for one in every if not _is_pattern(models, one))
-    return next(sound, next(iter(every), fit))
-
-
-def _is_pattern(models: Models, fit: Fit) -> bool:
-    """Whether what should be scatter follows the settings."""
-    return fit.form == "white" and follows_settings(models.problem, fit)
-
-
-def _open_twins(models: Models, fit: Fit) -> list[Fit]:
-    """Models with another cause in place of a claimed one, from which the data do not tell it.
-
-    They act alike, take enough of the model's error too, and differ from the claim by no more than
-    it leaves. Asked only where that is alike along a run, so that readings count for less than
-    their number.
-    """
-    twins = []
-    for other in models.leaders(form="ar1") if fit.form == "ar1" else ():
-        apart = (fit.residual - other.residual) / models.problem.sd
-        if (
-            fit.swaps(other)
-            and float(np.sum(apart**2)) <= fit.chi2
-            and share(models, other) >= DOMINANT
-            and not _at_end(models, other)
-            and abs(cosine_of_swap(models, fit, other)) > ALIKE
-        ):
-            twins.append(other)
-    return twins
-
-
-def _against(models: Models, fit: Fit, gains: Sequence[Gain | None]) -> list[Note]:
-    """Reasons against causes beside a discrepancy."""
-    part = share(models, fit) if fit.form != "exact" else 0.0
-    notes = _takes_little(fit, part, gains)
-    if _is_pattern(models, fit):
-        text = "What {} leaves follows the settings: it is no scatter."
-        notes.append(CauseNote("pattern-left", text, [fit.name]))
-    return notes + _at_end(models, fit)
-
-
-def _proven(models: Models, test: MisfitTest, fit: Fit, gains: Sequence[Gain | None]) -> bool:
-    """Whether held-out readings allow a name of what explains the data.
-
-    A proof that it gains something is needed where the model without a cause explains the data too,
-    unless too few parts can be held out to give one. A constant that is other than stated gives no
-    such proof, as it moves within its prior without a cause too: there the test decides.
-    """
-    problem = models.problem
-    if any(gain is not None and gain.interval[1] < 0.0 for gain in gains):
-        return False
-    spare = goodness_of_fit(problem, models.null) >= GOF_LEVEL
-    if all(cause.is_constant for cause in fit.causes):
-        spare = spare and test.p_value >= GOF_LEVEL
-    return not spare or gains[0] is None or gains[0].certain
-
-
-def _takes_little(fit: Fit, part: float, gains: Sequence[Gain | None]) -> list[Note]:
+def _takes_little(fit: Fit, part: float, gain: Gain | None) -> list[Note]:
     """Reasons against causes beside a discrepancy: a small share, or an uncertain gain.
 
     Causes that take nearly all of the model's error need only not predict worse.
@@ -332,13 +217,12 @@ def _takes_little(fit: Fit, part: float, gains: Sequence[Gain | None]) -> list[N
         takes = f"{min(100.0 * part, asked - 1.0):.0f} %"
         text = f"{{}} takes {takes} of the model's error; a claim asks for {asked:.0f} %."
         notes.append(CauseNote("small-share", text, [fit.name], part))
-    known = [gain for gain in gains if gain is not None]
     if part >= NEARLY_ALL:
         text = "{} predicts held-out readings worse."
-        proven = all(gain.interval[1] >= 0.0 for gain in known)
+        proven = gain is None or gain.interval[1] >= 0.0
     else:
         text = "It is not certain that {} predicts held-out readings better."
-        proven = len(known) == len(gains) and all(gain.certain for gain in known)
+        proven = gain is not None and gain.certain
     if not proven:
         notes.append(CauseNote("uncertain-gain", text, [fit.name]))
     return notes
@@ -350,19 +234,19 @@ def _set(
 ) -> Verdict:  # fmt: skip
     """Models that stay open, if not given the smallest set with 95 %: the causes of each in turn.
 
-    Where that is one model, which cannot be claimed, where none of its models takes enough of the
-    model's error, or where a size of the first is at its end, nothing explains the data.
+    Where that is one model, which cannot be claimed, or where none of its models takes enough of
+    the model's error, nothing explains the data.
     """
     members = members or verdict.members
     first = next(member for member in members if member.causes)
-    against, gain = list(reasons), gain_of(models, first)
+    against, gain = list[Note](), gain_of(models, first)
     if first.form != "exact":
         parts = [share(models, member) for member in members if member.causes]
         part = max((value for value in parts if not math.isnan(value)), default=0.0)
-        against += _takes_little(first, part, [gain])
-    against += _at_end(models, first)
-    if len(members) == 1 or len(against) > len(reasons):
-        return _with(verdict, "unexplained", (), None, tuple(against), models, first, gain)
+        against = _takes_little(first, part, gain)
+    if len(members) == 1 or against:
+        notes = (*reasons, *against)
+        return _with(verdict, "unexplained", (), None, notes, models, first, gain)
     probability = chance.models[first.name]
     if probability < SURE:
         together = sum(chance.models[member.name] for member in members)
@@ -371,16 +255,7 @@ def _set(
             f"first, {{}}, has {100.0 * probability:.0f} %."
         )
         reasons = (*reasons, CauseNote("not-separated", text, [first.name], probability))
-    return _left_open(verdict, models, members, reasons, gain)
-
-
-def _left_open(
-    verdict: Verdict, models: Models, members: tuple[Fit, ...], reasons: tuple[Note, ...],
-    gain: Gain | None,
-) -> Verdict:  # fmt: skip
-    """The causes of models that stay open, of which the first with a cause is told."""
     names = tuple(dict.fromkeys(name for one in members for name in sorted(one.names)))
-    first = next(member for member in members if member.causes)
     verdict = replace(verdict, members=members)
     return _with(verdict, "ambiguous", names, first, reasons, models, first, gain)
 
@@ -399,21 +274,3 @@ def _with(verdict: Verdict, kind: Kind, causes: tuple[str, ...], fit: Fit | None
         kind, causes, fit, reasons, verdict.probabilities, verdict.members,
         None if subject is None else share(models, subject), subject or verdict.leader, gain,
     )  # fmt: skip
-
-
-def _at_end(models: Models, fit: Fit) -> list[Note]:
-    """A note where an amplitude, or a relaxed constant, is at the farther end of its range."""
-    problem, (low, high) = models.problem, models.problem.limits
-    relaxed = [problem.at(cause) for cause in fit.causes if cause.frees is not None]
-    for k in [*problem.columns(fit.causes).tolist(), *relaxed]:
-        # Neither the end at which an amplitude does nothing counts, nor a stated end of a shape: a
-        # part of 1 is all.
-        one = problem.parameters[k]
-        shape = not one.is_amplitude and k not in relaxed
-        stated = [one.coordinate(end) for end in (one.low, one.high)] if shape else []
-        ends = [end for end in (low[k], high[k]) if math.isfinite(end) and end not in stated]
-        ends = [end for end in ends if end or not one.is_amplitude]
-        if any(abs(fit.x[k] - end) < _AT_END for end in ends):
-            text = "A size of {} is at the end of its range."
-            return [CauseNote("size-at-end", text, [fit.name])]
-    return []

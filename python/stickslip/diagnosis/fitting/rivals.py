@@ -31,11 +31,6 @@ class Rivals:
     """Constants of both of two states of a machine that are compared."""
 
     @property
-    def cancels(self) -> bool:
-        """Whether errors of the model that both of two states have cancel in what is fitted."""
-        return True
-
-    @property
     def table(self) -> int:
         """Index of the table whose errors new readings will have."""
         return 0

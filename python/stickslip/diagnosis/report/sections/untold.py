@@ -20,7 +20,7 @@ class Numbers(TypedDict):
     cannot_tell: dict[str, Any] | None
     """Limits of these data, null for `data-problem`: `alike`, confounded causes (`told`: of
     the model) and `others` with similar effects beyond what the constants undo (`cosine` above
-    0.9), the chi-square that tells them apart (`lead`, `parted` above 11.8), how many times these
+    0.9), the chi-square that tells them apart (`lead`, `parted` above 5.9), how many times these
     readings would (`more`; null: no number), the reading at which they differ most (`where`), by
     how many of its errors (`apart`); `combinations` of `parameters`, of which only some are `known`
     (`kind`, `expression`, `weights`, `value`, `sd`, `unit`); causes that would be `hidden` by

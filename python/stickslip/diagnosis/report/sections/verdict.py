@@ -34,8 +34,6 @@ class Numbers(TypedDict):
     """Further causes of each member, in words."""
     unproven: bool
     """Whether held-out readings do not prove a second cause."""
-    misfit_of_both: bool
-    """For `none`: whether both of two sides have a misfit, and no difference is seen."""
 
 
 def numbers(facts: Facts) -> Numbers:
@@ -54,7 +52,6 @@ def numbers(facts: Facts) -> Numbers:
         "partial": verdict.partial, "members": [fit.name for fit in verdict.members],
         "common": [words.title(name) for name in verdict.common], "beside": _beside(facts),
         "unproven": any(note.code == "second-cause-predicts-nothing" for note in verdict.reasons),
-        "misfit_of_both": any(note.code == "misfit-of-both" for note in verdict.reasons),
     }  # fmt: skip
 
 
