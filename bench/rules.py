@@ -76,7 +76,7 @@ def of_search() -> dict[str, list[Patch]]:
         "end by chi-square": {"explains": 2.0}, "rounds end far away": {"pays": 2.0},
         "other forms of few": {"other_forms": 99},
         "other forms of what gains": {"refitted": 99.0},
-        "draws": {"drawn": 0}, "wide constants": {"widened": 1.0},
+        "wide constants": {"widened": 1.0},
         "three causes": {"most_causes": 2},
         "three leaders": {"leaders": 1}, "bound of far fits": {"margin": math.inf},
     }  # fmt: skip

@@ -13,9 +13,8 @@ from stickslip.diagnosis.data.errors import Errors
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.gain import held_out, measured, parts_of
 from stickslip.diagnosis.fitting.descent import derivatives, descend, finished
-from stickslip.diagnosis.fitting.draws import drawn
 from stickslip.diagnosis.fitting.forms import forms
-from stickslip.diagnosis.fitting.models import covariance_beside, laplace
+from stickslip.diagnosis.fitting.models import covariance_beside
 from stickslip.diagnosis.fitting.problem import LOST, Cached, Problem
 from stickslip.diagnosis.model import posed
 from toys import BEND, LEVEL, SLOPE, STEP, WAVE, data, fitted, problem, shapes
@@ -65,21 +64,6 @@ def test_evidence_is_the_integral(cause, extra, within):
     wanted = integral(posed, [cause], form)
     # Laplace's rule is exact but for the curvature of sinh, small beside its width.
     assert found.log_evidence == pytest.approx(wanted, abs=within)
-    # Without hyperparameters it is the whole.
-    assert laplace(posed, form, found) == pytest.approx(found.log_evidence, abs=1e-9)
-
-
-def test_draws_correct_what_laplace_misses():
-    # Of a size that the data hardly know: its prior's tails and sinh count.
-    posed = problem(data(0.2 * np.sin(5.0 * np.linspace(1.0, 3.0, 6)), sd=0.5, n=6), [WAVE])
-    form = forms(posed)["exact"]
-    found = fitted(posed, [WAVE])
-    made = drawn(posed, form, found, seed=0)
-    wanted = integral(posed, [WAVE], form)
-    # The draws' own error is about 1 / sqrt(256).
-    assert found.log_evidence + made.correction == pytest.approx(wanted, abs=0.1)
-    assert made.effective > 100
-    assert np.sum(made.weight) == pytest.approx(1.0)
 
 
 def dense(posed, name, h):

@@ -17,7 +17,7 @@ from stickslip.diagnosis.fitting.law_forms import with_forms
 from stickslip.diagnosis.fitting.models import Fit, minimise, sharpened
 from stickslip.diagnosis.fitting.problem import FAR_OFF, Problem
 from stickslip.diagnosis.fitting.responses import responses
-from stickslip.diagnosis.fitting.search import Models, Progress, draw, screened, search
+from stickslip.diagnosis.fitting.search import Models, Progress, screened, search
 from stickslip.diagnosis.fitting.starts import recalibrated
 
 # Draws about the recalibrated model that show its own noise, and their widths: a share of what the
@@ -57,7 +57,6 @@ def run(
                 wider = problem.wider(problem, laws)
                 models = models.widened(wider, wider.causes)
                 search(models, [], laws, say)
-        draw(models, seed)
         models = with_forms(models)
     say(0.9, "deciding")
     if models.null.cost < null.cost - _BETTER:

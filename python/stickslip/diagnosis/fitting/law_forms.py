@@ -57,17 +57,15 @@ def _compared(models: Models, names: frozenset[str], law: Cause) -> Models:
         old = models.get(names, name)
         # A form may explain what no curve through knots does.
         if old is not None and (name == "exact" or models.log_posterior(old) >= least):
-            own = old.log_evidence + models.corrections.get(names, 0.0)
             tries = [_fitted(models, old, law, other) for other in others.values()]
             refits = zip(others, run_batched(models.problem, tries), strict=True)
             near = {form: fit for form, fit in refits if fit}
-            fits[name] = {"curve": replace(old, log_evidence=own), **near}
+            fits[name] = {"curve": old, **near}
     chance = _chances(fits)
     for name, by_form in fits.items():
         mean = logsumexp([fit.log_evidence for fit in by_form.values()]) - math.log(1 + len(others))
         best = next(by_form[form] for form in chance if form in by_form)
         models.best[names, name] = replace(best, log_evidence=float(mean))
-    models.corrections[names] = 0.0
     models.of_forms[names] = chance
     return models
 

@@ -218,17 +218,6 @@ def covariance_beside(problem: Problem, fit: Fit) -> Array:
     return whole
 
 
-def laplace(problem: Problem, form: Form, of: Fit) -> float:
-    """Log-evidence at the hyperparameters of a fit as they are, by Laplace's rule."""
-    prepared = form.prepared(np.column_stack([of.slopes, of.residual]))
-    gram = form.weighted(prepared, of.residual, of.h)
-    misfit = float(form.cost(of.residual[None, :], of.h)[0])
-    beside = form.log_det(of.h) + form.n * math.log(2.0 * math.pi)
-    at_end = _At(problem, of.causes, of.end)
-    costs = np.array([misfit]), np.array([beside])
-    return float(at_end.integrals(gram[None], *costs, of.precision)[0][0])
-
-
 def evidence(
     problem: Problem, form: Form, causes: Sequence[Cause], end: End, h: Array
 ) -> tuple[Array, float, Array, Array, float]:

@@ -51,7 +51,6 @@ class Search:
     rare: float = 0.05  # chance of noise as small as a further cause needs to lead
     other_forms: int = 4  # models fitted with each further form of the discrepancy
     refitted: float = 0.1  # most log-evidence a reading by which it beats its linear model
-    drawn: int = 4  # sets of causes whose evidence is corrected by draws
 
 
 @dataclass(frozen=True)

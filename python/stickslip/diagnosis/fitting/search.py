@@ -25,7 +25,6 @@ from stickslip.diagnosis.fitting.descent import (
     precision_of,
     run_batched,
 )
-from stickslip.diagnosis.fitting.draws import FEWEST, drawn
 from stickslip.diagnosis.fitting.forms import Exact, Form, Softened, forms
 from stickslip.diagnosis.fitting.models import (
     Fit,
@@ -74,8 +73,6 @@ class Models:
         # The linear model of another form about a fit, None where there is none.
         self._linear: dict[tuple[Fit, str], Fit | None] = {}
         self._beside: dict[Fit, Array] = {}
-        # Of sets of causes that were drawn, what Laplace's rule misses of their evidence.
-        self.corrections: dict[frozenset[str], float] = {}
         # Of sets of causes with a law, the probabilities of its forms.
         self.of_forms: dict[frozenset[str], dict[str, float]] = {}
 
@@ -94,7 +91,7 @@ class Models:
         for key, fit in self.best.items():
             x = np.concatenate([fit.x, np.zeros(problem.size - len(fit.x))])
             wider.best[key] = replace(fit, x=x)
-        wider.corrections, wider.of_forms = dict(self.corrections), dict(self.of_forms)
+        wider.of_forms = dict(self.of_forms)
         return wider
 
     def get(self, causes: Iterable[str] = (), form: str = "exact") -> Fit | None:
@@ -121,8 +118,7 @@ class Models:
 
     def log_posterior(self, one: Fit) -> float:
         """Log-evidence and log prior probability of a model, up to what all have."""
-        prior = self.log_prior(one.causes, one.form)
-        return one.log_evidence + self.corrections.get(one.names, 0.0) + prior
+        return one.log_evidence + self.log_prior(one.causes, one.form)
 
     def log_prior(self, causes: Sequence[Cause], form: str = "exact") -> float:
         """Log prior probability of a model."""
@@ -225,32 +221,6 @@ def search(
     sharper = [sharpened(problem, models.forms[fit.form], fit) for fit in compared]
     for fit in run_batched(problem, sharper):
         models.best[fit.names, fit.form] = fit
-
-
-def draw(models: Models, seed: int) -> None:
-    """Correct the evidence of the leading sets of causes by draws, or their fit by a better one.
-
-    Where no model comes near the data, or only one is near the best, leads are far larger than what
-    Laplace's rule misses.
-    """
-    problem = models.problem
-    sets: dict[frozenset[str], Fit] = {}
-    for fit in _near(models):
-        sets.setdefault(fit.names, fit)
-    if not models.reaches or len(sets) == 1:
-        return
-    for names, fit in [*sets.items()][: SEARCH.drawn]:
-        form = models.forms[fit.form]
-        draws = drawn(problem, form, fit, seed)
-        if draws is None:
-            continue
-        at = int(np.argmax(draws.weight))
-        best, cost = draws.x[at], form.cost(draws.residual[[at]], fit.h)[0]
-        if float(cost + best[fit.free] @ fit.precision @ best[fit.free]) < fit.cost - SEARCH.better:
-            models.add_fits([Start(fit.form, fit.causes, best, h=fit.h)])
-            fit = models.best[names, fit.form]
-            draws = drawn(problem, form, fit, seed) or draws
-        models.corrections[names] = draws.correction if draws.effective > FEWEST else 0.0
 
 
 def screened(models: Models, effects: Sequence[Response], forms: Sequence[str] = ()) -> None:
