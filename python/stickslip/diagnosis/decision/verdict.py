@@ -14,6 +14,7 @@ from stickslip.diagnosis.decision.misfit_test import GOF_LEVEL, MisfitTest, good
 from stickslip.diagnosis.decision.posterior import (
     SURE,
     Posterior,
+    as_likely,
     discrepancy,
     posterior,
     share,
@@ -116,7 +117,9 @@ def decide(models: Models, test: MisfitTest) -> Verdict:
     if not sure:
         return _set(verdict, models, chance)
     most = next(fit for fit in chance.fits if fit.names & set(sure))
-    return _with_more(verdict, models, chance, most, sure)
+    claim = _with_more(verdict, models, chance, most, sure)
+    alike = as_likely(models, claim.fit) if claim.claims and claim.fit else []
+    return _set(verdict, models, chance, (), (claim.fit, *alike)) if alike and claim.fit else claim
 
 
 def _without_cause(verdict: Verdict, models: Models, test: MisfitTest) -> Verdict:
