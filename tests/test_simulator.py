@@ -30,6 +30,7 @@ from stickslip import (
     State,
     Waveform,
     _core,
+    load,
     rollout,
     simulate,
 )
@@ -151,7 +152,7 @@ def test_a_state_survives_its_file_its_bytes_and_its_row(tmp_path):
     assert pickle.loads(pickle.dumps(state)) == state
     scenario = Scenario(initial=state)
     scenario.to_toml(tmp_path / "begun.toml")
-    assert Scenario.from_toml(tmp_path / "begun.toml") == scenario
+    assert load(tmp_path / "begun.toml") == scenario
     in_amperes = [name for name, unit in STATE_UNITS.items() if unit == "A"]
     assert in_amperes == [name for name in STATE_COLUMNS if name.startswith(("current", "field"))]
     assert (STATE_UNITS["y"], STATE_UNITS["vy"], STATE_UNITS["heading"]) == ("m", "m/s", "rad")

@@ -112,13 +112,13 @@ def test_a_killed_sweep_resumes(tmp_path):
     many = {"drive.frequency": np.linspace(20.0, 200.0, 50), "contact.static_friction": [0.3, 0.1]}
     script = (
         "import numpy as np\n"
-        "from stickslip import Scenario, sweep\n"
+        "from stickslip import load, sweep\n"
         "from stickslip.sweeping import checkpoint, run_sweep\n"
         "run_sweep.MIN_INTERVAL = checkpoint.MIN_INTERVAL = 0.0\n"
         "checkpoint._MAX_SHARE, run_sweep._SECONDS = 1.0, 0.05\n"
         "vary = {'drive.frequency': np.linspace(20.0, 200.0, 50),"
         " 'contact.static_friction': [0.3, 0.1]}\n"
-        "sweep(Scenario.from_toml('s.toml'), vary, threads=1, out='a.nc')\n"
+        "sweep(load('s.toml'), vary, threads=1, out='a.nc')\n"
     )
     slower.to_toml(tmp_path / "s.toml")
     process = subprocess.Popen([sys.executable, "-c", script], cwd=tmp_path)
