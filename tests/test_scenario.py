@@ -13,6 +13,7 @@ import stickslip
 from sections_stub import FILE, NAMES_FILE, RUN_FILE, names_stub_text, run_stub_text, stub_text
 from stickslip import (
     STATE_COLUMNS,
+    STATE_UNITS,
     Contact,
     Drive,
     Record,
@@ -108,6 +109,9 @@ def test_a_state_is_a_row_of_numbers():
     state = every_key_changed().initial
     assert State.from_row(state.row) == state
     assert Scenario().with_state(state).initial == state
+    assert "[initial]" not in Scenario().to_toml()
+    in_amperes = [name for name, unit in STATE_UNITS.items() if unit == "A"]
+    assert in_amperes == [name for name in STATE_COLUMNS if name.startswith(("current", "field"))]
     with pytest.raises(ScenarioError, match=r"initial\.contact = 8\.0: allowed is a whole number"):
         State.from_row([8.0 if name == "contact" else 0.0 for name in STATE_COLUMNS])
     with pytest.raises(ScenarioError, match=r"row of shape \(27,\): allowed is shape \(28,\)"):

@@ -109,31 +109,6 @@ def test_the_voltage_of_a_program_is_noted_with_its_coil():
     assert any("300 V at coil ym, 30 A" in str(note) for note in scenario_notes(scenario))
 
 
-def test_sound_scenarios_get_none():
-    # About the paper's: half to twice its robot, contacts and drives.
-    random = np.random.default_rng(3)
-    for _ in range(300):
-        static = random.uniform(0.1, 0.6)
-        base = random.uniform(0.0, 1e-3)
-        changes = {
-            "drive.mode": str(random.choice(["IPP", "OPP"])),
-            "drive.frequency": random.uniform(1.0, 250.0),
-            "drive.base": base,
-            "drive.peak": base + random.uniform(1e-3, 4e-3),
-            "drive.hold": random.uniform(0.0, 3e-3),
-            "drive.pulses": int(random.integers(6, 100)),
-            "robot.length": 250e-6 * random.uniform(0.8, 1.25),
-            "robot.height": 100e-6 * random.uniform(0.8, 1.25),
-            "robot.mass": 25.6e-9 * random.uniform(0.5, 1.25),
-            "contact.static_friction": static,
-            "contact.kinetic_friction": static * random.uniform(0.5, 1.0),
-            "contact.adhesion": WEIGHT * random.choice([0.0, random.uniform(0.0, 5.0)]),
-            "effects.surface_tilt.angle": random.uniform(-0.05, 0.05),
-            "solver.rtol": 10.0 ** random.uniform(-10.0, -5.0),
-        }
-        assert scenario_notes(Scenario().replace(changes)) == []
-
-
 @pytest.mark.parametrize("frequency", [1.0, 30.0, 200.0, 1e4])
 def test_the_swing_of_the_field_is_that_of_the_simulated_current(frequency):
     # From 40 time constants on the start is forgotten to 4e-18.

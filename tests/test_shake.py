@@ -230,20 +230,6 @@ def test_every_key_survives_a_file(tmp_path):
     assert read.shake == Shake(**made.shake.as_dict())
 
 
-def test_a_file_of_accelerations_goes_round(tmp_path):
-    shaken = Accelerations([[0.0, 1.0, 0.0], [1e-3, -1.0, 0.5], [2e-3, 1.0, 0.0]])
-    made = scenario({"drive.mode": "none", "shake.accelerations": shaken, "shake.liquid": "rests"})
-    made.to_toml(tmp_path / "a.toml")
-    assert (tmp_path / "a.accelerations.csv").exists()
-    read = load(tmp_path / "a.toml")
-    assert read == made
-    assert hash(read) == hash(made)
-    assert made.duration == pytest.approx(0.2)
-    assert made.replace({"shake.accelerations": None}) == scenario(
-        {"drive.mode": "none", "shake.liquid": "rests"}
-    )
-
-
 SOME = {"shake.amplitude_x": 1e-6}
 NONE = {"drive.mode": "none"}
 REFUSED = [

@@ -199,15 +199,6 @@ def test_a_file_is_neither_overwritten_nor_changed_by_another_sweep(tmp_path):
     assert [each.name for each in tmp_path.iterdir()] == ["a.nc"]
 
 
-def test_the_file_of_another_version_is_refused(tmp_path):
-    path = tmp_path / "a.nc"
-    data = sweep(QUICK, FRICTION)
-    older = data.attrs["sweep"].replace('"stickslip_version": "', '"stickslip_version": "0')
-    checkpoint.write(data.assign_attrs(sweep=older), path)
-    with pytest.raises(ScenarioError, match="version of stickslip differ"):
-        sweep(QUICK, FRICTION, out=path, resume=True)
-
-
 def test_a_full_disk_keeps_the_last_good_file(tmp_path, expected):
     path = tmp_path / "a.nc"
     begin(path)
