@@ -59,8 +59,7 @@ def command(
     notes = [note for note in scenario_notes(loaded) if note.code in {*_CODES, "map"}]
     if as_json:
         rows = {name: {**coil._asdict(), "changes": changes[name]} for name, coil in facts.items()}
-        told = [note.as_dict() for note in notes]
-        output.print_json({"units": UNITS, "coils": rows, "notes": told})
+        output.print_json({"units": UNITS, "coils": rows, "notes": [n.as_dict() for n in notes]})
     else:
         _print(facts, changes)
         for line in shown_lines(notes):
