@@ -154,7 +154,7 @@ def _at_the_ends(t: Array, y: Array) -> Mask:
             there &= y != end
     inside = (y > np.min(y)) & (y < np.max(y))
     scatter = scatter_about_a_curve(t[inside], y[inside])
-    return there & (scatter > _CLEAR * max(meter_step(y[inside]), _rounding(y)))
+    return np.asarray(there & (scatter > _CLEAR * max(meter_step(y[inside]), _rounding(y))))
 
 
 def _rounding(y: Array) -> float:
