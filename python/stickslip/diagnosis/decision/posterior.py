@@ -7,7 +7,6 @@ import math
 from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
 from typing import TypeVar
 
 import numpy as np
@@ -120,14 +119,13 @@ def _left(models: Models, names: frozenset[str]) -> float:
 
 
 def as_likely(models: Models, fit: Fit) -> list[Fit]:
-    """Models with one other cause that fit nearly as well: 19:1 by likelihood tells them apart."""
-    best: dict[frozenset[str], Fit] = {}
-    for one in models.best.values():
-        if one.form == fit.form and (one.names == fit.names or one.swaps(fit)):
-            best[one.names] = max(best.get(one.names, one), one, key=partial(likelihood, models))
-    least = likelihood(models, best[fit.names]) - 0.5 * EXCHANGE
-    return [one for one in best.values() if one.names != fit.names
-            and likelihood(models, one) > least]  # fmt: skip
+    """Models with one other cause that fit nearly as well: 19:1 by likelihood tells them apart.
+
+    Those with more free parameters fit better in any case, and are judged by their evidence.
+    """
+    least = likelihood(models, fit) - 0.5 * EXCHANGE
+    return [one for one in models.leaders(form=fit.form) if one.swaps(fit)
+            and len(one.free) <= len(fit.free) and likelihood(models, one) > least]  # fmt: skip
 
 
 def likelihood(models: Models, fit: Fit) -> float:
