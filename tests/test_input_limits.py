@@ -3,12 +3,13 @@
 import os
 import threading
 
+import numpy as np
 import pytest
 
 from command_line import check, stickslip, stickslip_process
 from made_measurement import write
 from refusals.scenario import CSV, HEAD, PROGRAM
-from stickslip import ScenarioError, Waveform, load
+from stickslip import ScenarioError, Series, Waveform, load
 from stickslip._util import columns
 from stickslip._util.files import check_folder, read_bytes
 from stickslip.walker import read_measurement
@@ -92,3 +93,11 @@ def test_a_file_that_is_too_long_is_refused(tmp_path, read):
 def test_a_table_of_endless_columns_is_refused(tmp_path):
     (tmp_path / "a.csv").write_text(",".join(map(str, range(200_000))) + "\n1\n")
     refused(tmp_path / "a.csv", "200000 columns; allowed are 1000", read=read_table)
+
+
+@pytest.mark.parametrize("which", ["y", "t", "inputs u"])
+def test_readings_in_memory_are_limited_as_those_of_files(which):
+    rows = {name: np.arange(5.0) for name in ("t", "y", "inputs u")}
+    rows[which] = rows[which] * 1e61
+    with pytest.raises(ScenarioError, match=f"{which} = .*up to 1e.60"):
+        Series(rows["t"], rows["y"], {"u": rows["inputs u"]}, sd=1.0)

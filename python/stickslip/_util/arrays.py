@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stickslip._util.cells import LARGEST
 from stickslip._util.messages import check_whole, refuse, shown, suggestion
 from stickslip._util.note import Note
 from stickslip._util.text import is_number
@@ -225,6 +226,8 @@ def row(
     array = flat(numbers(what, values, allowed, unit=unit, gaps=gaps))
     if array.ndim != 1 or not len(array):
         refuse(what, values, allowed)
+    if np.any(np.abs(array) > LARGEST):
+        refuse(what, values, f"numbers up to {LARGEST:g}, as in files")
     if count is not None and len(array) != count:
         raise ScenarioError(f"{what}: {len(array)} values; allowed are {count}")
     return array
