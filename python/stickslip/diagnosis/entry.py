@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from stickslip._util.arrays import Array
 from stickslip._util.messages import check_whole
 from stickslip._util.note import Note
 from stickslip.diagnosis.data.readings import CLIPPED
@@ -30,6 +31,7 @@ from stickslip.diagnosis.pipeline import first_look, moved_constants, run
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
+from stickslip.diagnosis.terms.unlisted import unlisted
 from stickslip.errors import ScenarioError
 
 Terms = tuple[Sequence[Parameter], Sequence[Cause]]
@@ -90,8 +92,30 @@ def diagnose_model(
         terms = stated_terms(predict, uncertain, causes, data)
         problem, fault = prepared(predict, data, terms, int(seed))
         problem = problem if fault else with_scatter(problem, int(seed))
+        if len(data) == 1 and isinstance(data[0], Series) and hasattr(predict, "kind"):
+            problem = replace(problem, unlisted=partial(_unlisted, predict))
         notes = [*overflows(problem), *without_effect(problem)]
         return diagnosed(problem, int(seed), progress, notes, fault=fault)
+
+
+def _unlisted(predict: Any, problem: Problem, x: Array) -> list[Cause]:
+    """Effects that nobody listed, of the only record of a ready-made model at coordinates `x`."""
+    (record,) = problem.tables
+    base: Any = record.whole or record
+    bare = base.having(unit="-")
+    values = problem.physical(x[None])[0, : len(problem.constants)]
+    p = {one.name.partition("[")[0]: np.array([[value]])
+         for one, value in zip(problem.constants, values, strict=True)}  # fmt: skip
+    states = {}
+    for name, (state, _) in predict.kind.reads.items():
+        if state < len(predict.kind.states) and state < 2:
+            states["xv"[state]] = np.asarray(replace(predict, reads=name)(bare, p)[0])
+    if "v" not in states:  # of a heater
+        ambient = base.inputs.get("ambient", predict.middles.get("ambient", base.y[0]))
+        states = {"v": states["x"] - ambient}
+    name = next((each for each in (*predict.kind.drives, *predict.kind.inputs)
+                 if each in base.inputs), None)  # fmt: skip
+    return unlisted(base, states, name, [cause.name for cause in problem.causes])
 
 
 def in_pieces(

@@ -57,6 +57,12 @@ def run(
                 wider = problem.wider(problem, laws)
                 models = models.widened(wider, wider.causes)
                 search(models, [], laws, say)
+        if problem.unlisted and problem.wider and models.reaches:
+            say(0.8, "effects that nobody listed")
+            shapes = problem.unlisted(problem, models.null.x)
+            wider = problem.wider(problem, shapes)
+            models = models.widened(wider, wider.causes)
+            search(models, [], shapes, say)
         models = with_forms(models)
     say(0.9, "deciding")
     if models.null.cost < null.cost - _BETTER:

@@ -7,8 +7,10 @@ import math
 from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import TypeVar
 
+import numpy as np
 from scipy.special import logsumexp
 
 from stickslip._util.text import OneLine
@@ -17,6 +19,10 @@ from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.search import Models
 
 _Key = TypeVar("_Key")
+
+EXCHANGE = 5.9
+"""Fall of chi-square by which a claim fits better than with another cause in its place: 19:1 by
+likelihood alone, as `SURE` is by probability."""
 
 SURE = 0.95
 """Probability that a claim asks for, and that a set holds. The usual choice."""
@@ -111,3 +117,31 @@ def _left(models: Models, names: frozenset[str]) -> float:
     """The discrepancy of a set of causes by its best form other than ``exact``."""
     fits = [fit for key, fit in models.best.items() if key[0] == names and key[1] != "exact"]
     return discrepancy(max(fits, key=models.log_posterior)) if fits else math.nan
+
+
+def as_likely(models: Models, fit: Fit) -> list[Fit]:
+    """Models with one other cause that fit nearly as well: 19:1 by likelihood tells them apart."""
+    best: dict[frozenset[str], Fit] = {}
+    for one in models.best.values():
+        if one.names == fit.names or one.swaps(fit):
+            best[one.names] = max(best.get(one.names, one), one, key=partial(likelihood, models))
+    least = likelihood(models, best[fit.names]) - 0.5 * EXCHANGE
+    return [one for one in best.values() if one.names != fit.names
+            and likelihood(models, one) > least]  # fmt: skip
+
+
+def likelihood(models: Models, fit: Fit) -> float:
+    """Largest log-likelihood by the linear model about a fit.
+
+    Without the prior of the causes' sizes: what is stated of the constants counts as readings, but
+    for one that a cause frees.
+    """
+    form, problem, x = models.forms[fit.form], models.problem, fit.x[fit.free]
+    freed = {problem.at(cause) for cause in fit.causes if cause.frees is not None}
+    stated = np.array([float(k < len(problem.constants) and k not in freed) for k in fit.free])
+    columns = form.prepared(np.column_stack([fit.slopes, fit.residual]))
+    gram = form.weighted(columns, fit.residual, fit.h)
+    cost = float(form.cost(fit.residual[None], fit.h)[0]) + float(stated @ x**2)
+    down = gram[:-1, -1] - stated * x
+    fall = float(down @ np.linalg.lstsq(gram[:-1, :-1] + np.diag(stated), down, rcond=1e-10)[0])
+    return -0.5 * (cost - max(fall, 0.0) + float(form.log_det(fit.h)))

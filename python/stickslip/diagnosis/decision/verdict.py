@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -14,6 +14,7 @@ from stickslip.diagnosis.decision.misfit_test import GOF_LEVEL, MisfitTest, good
 from stickslip.diagnosis.decision.posterior import (
     SURE,
     Posterior,
+    as_likely,
     discrepancy,
     posterior,
     share,
@@ -39,6 +40,8 @@ been taken for it. Chosen on 180 logs of which it names 5 more, all rightly."""
 
 SECOND = 0.1
 """Part by which a further cause lowers the held-out error at least. Chosen with the prototype."""
+
+_LOOKS = "What no listed cause explains looks like {}."
 
 CALM = 0.5
 """Scatter, in the stated errors, below which these are said to be stated too large. Chosen."""
@@ -112,11 +115,28 @@ def decide(models: Models, test: MisfitTest) -> Verdict:
     verdict = Verdict("unexplained", probabilities=probabilities, members=members, leader=leader)
     if leader is None or not chance.has_cause:
         return _without_cause(verdict, models, test)
-    sure = chance.sure
+    sure, rivals = chance.sure, {cause.name for cause in models.offered if not cause.listed}
     if not sure:
         return _set(verdict, models, chance)
+    if rivals & {*sure}:
+        return _beside_unlisted(verdict, models, sorted({*sure} - rivals), min(rivals & {*sure}))
     most = next(fit for fit in chance.fits if fit.names & set(sure))
-    return _with_more(verdict, models, chance, most, sure)
+    claim = _with_more(verdict, models, chance, most, sure)
+    alike = as_likely(models, claim.fit) if claim.fit and claim.claims else []
+    return _set(verdict, models, chance, (), (claim.fit, *alike)) if alike else claim
+
+
+def _beside_unlisted(
+    verdict: Verdict, models: Models, listed: Sequence[str], rival: str
+) -> Verdict:
+    """What is claimed beside an effect that nobody listed, which itself is only said."""
+    reasons = (CauseNote("looks-unlisted", _LOOKS, [rival]),)
+    fits = [fit for fit in models.leaders() if fit.names == frozenset(listed)]
+    if listed and fits:
+        return _claimed(verdict, models, fits[0], reasons)
+    leader = verdict.leader
+    return _with(verdict, "unexplained", (), None, reasons, models, leader,
+                 leader and gain_of(models, leader))  # fmt: skip
 
 
 def _without_cause(verdict: Verdict, models: Models, test: MisfitTest) -> Verdict:
@@ -256,6 +276,9 @@ def _set(
         )
         reasons = (*reasons, CauseNote("not-separated", text, [first.name], probability))
     names = tuple(dict.fromkeys(name for one in members for name in sorted(one.names)))
+    if not any(cause.listed for one in members for cause in one.causes):
+        reasons = (*reasons, CauseNote("looks-unlisted", _LOOKS, [first.name]))
+        return _with(verdict, "unexplained", (), None, reasons, models, first, gain)
     verdict = replace(verdict, members=members)
     return _with(verdict, "ambiguous", names, first, reasons, models, first, gain)
 

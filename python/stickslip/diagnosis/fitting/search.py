@@ -364,7 +364,9 @@ def _look_beside(models: Models, leader: Fit) -> None:
         more, third = rest == leader.causes, len(rest) > 1
         if third and not more:
             continue  # looks beside each pair exchange the third
-        offered = [cause for cause in models.offered if cause not in (*rest, *leader.causes)]
+        alone = all(cause.listed for cause in rest)  # one that is not may join
+        offered = [cause for cause in models.offered if cause not in (*rest, *leader.causes)
+                   and (cause.listed or alone)]  # fmt: skip
         least = problem.effort.worth if more else -math.inf
         if third:
             least = _least_fall(models, leader)
