@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from stickslip import Scenario, simulate_batch
+from stickslip import load, simulate_batch
 from stickslip.walker import problem as measured
 
 NOMINAL = """stickslip = 1
@@ -45,7 +45,7 @@ def write(folder, changes, seed=0, change=None):
     """
     (folder / "nominal.toml").write_text(NOMINAL)
     (folder / "m.toml").write_text(MEASUREMENT)
-    base = Scenario.from_toml(folder / "nominal.toml").replace(
+    base = load(folder / "nominal.toml").replace(
         {"contact.kinetic_friction": 0.151, "drag.linear": 1.3e-5, **changes}
     )
     drives = [(way, f) for way in ("+x", "-x") for f in (25.0, 40.0, 60.0, 90.0)]

@@ -1,14 +1,12 @@
 """Coils with a capacitor in series, beside the exponential of their matrix."""
 
-import math
-
 import numpy as np
 import pytest
 from scipy.integrate import trapezoid
 from scipy.linalg import expm
 
 from steps import named
-from stickslip import COIL_NAMES, Coil, Drive, Scenario, Simulator, Waveform, simulate
+from stickslip import COIL_NAMES, Drive, Scenario, Simulator, Waveform, simulate
 
 OHM, HENRY = 10.0, 0.07  # Table I
 CRITICAL = 4.0 * HENRY / OHM**2
@@ -110,24 +108,6 @@ def test_warm_coils_with_a_capacitor_have_the_resistance_of_their_power():
     warm = OHM / (1.0 - 0.05 * OHM * squares)
     assert run.summary()["power_mean"] == pytest.approx(float(warm @ squares), rel=1e-5)
     assert warm.max() > 1.1 * OHM
-
-
-def test_a_resonance_is_where_the_capacitor_puts_it():
-    # At 1 / (2 pi sqrt(LC)) the current is V / R, whatever L and C.
-    farads, volts = 1e-5, 3.0
-    frequency = 1.0 / (2.0 * math.pi * math.sqrt(HENRY * farads))
-    t = np.linspace(0.0, 1.0 / frequency, 201)
-    wave = np.zeros((201, 5))
-    wave[:, 0] = volts * np.sin(2.0 * math.pi * frequency * t)
-    scenario = Scenario(
-        coil=Coil(capacitance=farads),
-        drive=Drive(mode="program", program=80 * Waveform.from_points(t, wave)),
-    )
-    found = simulate(scenario.replace(HELD)).summary()
-    assert found["current_max"] == pytest.approx(volts / OHM, rel=1e-3)
-    assert found["power_mean"] == pytest.approx(
-        0.5 * volts**2 / OHM, rel=0.3
-    )  # it takes time to swell
 
 
 @pytest.mark.timeout(60)

@@ -73,15 +73,6 @@ def test_the_table_has_the_numbers_of_the_summary(scenario):
     assert rows["final heading"].startswith(f"{run.final_state.heading:.6g} rad ")
 
 
-def test_notes_are_printed(scenario):
-    still = ["--set=drive.peak=0", "--set=drive.base=0", "--set=drive.hold=0"]
-    assert "there is no field" in stickslip("run", scenario, *still).stdout
-    assert "note" not in stickslip("run", scenario, "--set=drive.coils=pairs").stdout
-    never = ("run", scenario, "--until", "x >= 1")
-    assert "the condition x >= 1 was not met" in stickslip(*never).stdout
-    assert printed(*never)["notes"][0]["text"].startswith("the condition x >= 1 was not met")
-
-
 def test_a_failed_simulation_exits_with_one(scenario):
     slide = ["--set=effects.surface_tilt.angle=1.4", "--set=contact.static_friction=0"]
     slide += ["--set=contact.kinetic_friction=0", "--set=drive.ramp=100"]

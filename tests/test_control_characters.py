@@ -8,7 +8,7 @@ import pytest
 
 from command_line import stickslip
 from report_page import Page
-from stickslip import Drive, Scenario, ScenarioError, Waveform
+from stickslip import Drive, Scenario, ScenarioError, Waveform, load
 from stickslip._util.files import text_writer, write_together
 from stickslip._util.text import json_text, printable, quoted
 from stickslip._util.toml import parse_toml
@@ -51,7 +51,7 @@ def test_errors_of_a_scenario(tmp_path, document):
     path = tmp_path / WILD
     path.write_text("stickslip = 1\n" + document.format(name=quoted(WILD)))
     with pytest.raises(ScenarioError) as error:
-        Scenario.from_toml(path)
+        load(path)
     assert str(error.value).isprintable()
     assert str(error.value).startswith(printable(path))
 
@@ -94,7 +94,7 @@ def test_a_scenario_that_is_written_is_read_back_whatever_it_is_called(tmp_path)
     path = tmp_path / f'{WILD}"\\.toml'
     text = write_scenario(scenario, path, [f"from {WILD}", "gravity = 0\n[environment]"])
     assert all(line.isprintable() for line in text.split("\n"))
-    again = Scenario.from_toml(path)
+    again = load(path)
     assert again.to_toml() == scenario.to_toml()
     for k in (0, 1):
         read, written = (each.drive.program.points()[k] for each in (again, scenario))

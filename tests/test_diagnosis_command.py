@@ -8,7 +8,7 @@ import pytest
 from command_line import stickslip
 from made_measurement import few_causes, write
 from report_page import without_pictures
-from stickslip import Scenario, load, predict, simulate
+from stickslip import load, predict, simulate
 
 FEW = ("surface_tilt", "field_gain")
 TILT = {"effects.surface_tilt.angle": 0.04}
@@ -62,7 +62,7 @@ def test_the_tilt_is_found(tilted):
 def test_the_extended_model_is_an_ordinary_scenario(tilted):
     folder, said, _ = tilted
     extended = folder / "found" / "extended.toml"
-    scenario = Scenario.from_toml(extended)
+    scenario = load(extended)
     assert scenario.effects
     for name, parameters in scenario.effects.items():
         for parameter, value in parameters.items():
@@ -105,7 +105,7 @@ def test_conditions_without_motion_are_not_a_finding(tmp_path):
 
     _, said, _ = diagnosed(tmp_path, change=with_still)
     little = {"drive.peak": 0.6e-3, "drive.frequency": 90.0}
-    creep = simulate(Scenario.from_toml(tmp_path / "nominal.toml").replace(little)).mean_velocity
+    creep = simulate(load(tmp_path / "nominal.toml").replace(little)).mean_velocity
     assert 0.0 < abs(creep) < 1e-6
     assert (said["verdict"], said["left_out"]) == ("none", [])
 
@@ -144,7 +144,7 @@ def test_data_that_allow_no_diagnosis_are_told_with_the_reason(tmp_path, change,
     assert report["headline"].endswith(reason)
     assert report["cause"] is None
     # Nothing was learnt.
-    assert not Scenario.from_toml(out / "extended.toml").effects
+    assert not load(out / "extended.toml").effects
     assert (out / "report.html").is_file()
 
 

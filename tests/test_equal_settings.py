@@ -4,9 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from stickslip import Measurement, Scenario, ScenarioError, sweep
+from stickslip import Measurement, Scenario, ScenarioError
 from stickslip._util.arrays import representatives
-from stickslip.sweeping.points import grid
 from stickslip.walker import read_measurement
 from stickslip.walker.velocity import VelocityTable
 
@@ -96,14 +95,3 @@ def test_the_same_trials_again_are_refused_whatever_their_last_bits():
     found = Measurement.from_dataframe(_table(False), NOMINAL)
     with pytest.raises(ScenarioError, match="in the measurement already"):
         found.with_velocities(_table(True))
-
-
-def test_an_axis_with_a_value_twice_but_for_its_last_bit_is_refused():
-    with pytest.raises(ScenarioError) as error:
-        sweep(NOMINAL, {"drive.frequency": [25.0, 50.0, 25.000000000000004]})
-    assert str(error.value) == (
-        "drive.frequency = 25.000000000000004: this value is given twice, as 25.0: they differ "
-        "by less than 1e-06 of their size"
-    )
-    # Drags are smaller than what counts as 0 in a drive.
-    assert grid(NOMINAL, {"drag.rotational": [0.0, 4e-17, 9e-17, 2e-16]}).count == 4

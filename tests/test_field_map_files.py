@@ -9,7 +9,7 @@ import pytest
 from command_line import check, stickslip
 from made_measurement import few_causes
 from measured_maps import formula_fields, grid, with_map, write_csv
-from stickslip import Coils, FieldMap, ScenarioError, diagnose, load, open_run, simulate, sweep
+from stickslip import Coils, FieldMap, ScenarioError, diagnose, load, simulate, sweep
 from stickslip.walker import read_measurement
 
 HEAD = "stickslip = 1\n\n[drive]\nbase = 0.5e-3\npulses = 8\n"
@@ -61,19 +61,6 @@ def test_a_scenario_with_a_map_is_written_and_read_to_the_last_bit(folder):
     assert simulate(again).summary() == simulate(scenario).summary()
 
 
-def test_a_stored_run_has_its_map(folder):
-    name = "run.nc"
-    done = stickslip("run", "s.toml", "--out", name, "--json", cwd=folder)
-    assert done.returncode == 0, done.stderr
-    summary = json.loads(done.stdout)
-    (note,) = [each["text"] for each in summary["notes"] if each["code"] == "map"]
-    assert note.startswith("the field of the coils is that of map.csv (harmonics up to degree")
-    opened = open_run(folder / name)
-    assert opened.scenario.coil.map == FieldMap.from_file(folder / "map.csv")
-    again = simulate(opened.scenario.replace({"record.rate": "none"}))
-    assert again.mean_velocity == summary["mean_velocity"]
-
-
 def test_a_sweep_with_another_map_is_not_resumed(tmp_path, fields):
     values = {"drive.frequency": [50.0, 100.0]}
     base = with_map(FieldMap.from_points(grid(), fields), drive__pulses=4)
@@ -113,23 +100,6 @@ def test_a_map_is_not_overwritten(folder, option):
     check(stickslip("run", "s.toml", option, "map.csv", cwd=folder), option, "map.csv is read")
 
 
-def test_optimise_and_predict_take_a_map(folder):
-    options = ["--limit", "voltage_max=40", "--free", "drive.frequency=60:120", "--out", "best"]
-    done = stickslip(
-        *("optimise", "s.toml", "--maximise", "mean_velocity", *options),
-        "--evaluations=6",
-        cwd=folder,
-    )
-    assert done.returncode == 0, done.stderr
-    best = load(folder / "best" / "best.toml")
-    assert best.coil.map == FieldMap.from_file(folder / "map.csv")
-    (folder / "u.toml").write_text(
-        SCENARIO + '\n[uncertain]\n"contact.adhesion" = { mean = 2e-7, sd = 1e-8 }\n'
-    )
-    done = stickslip("predict", "u.toml", "--draws=4", "--json", cwd=folder)
-    assert done.returncode == 0, done.stderr
-
-
 @pytest.mark.parametrize(
     ("change", "said"),
     [
@@ -148,12 +118,6 @@ def test_a_point_out_of_place_is_named_by_its_row(tmp_path, fields, change, said
     lines[at] = ",".join(cells)
     path.write_text("\n".join(["# of Monday", *lines]))
     with pytest.raises(ScenarioError, match=said.format(row=at + 2)):
-        FieldMap.from_file(path)
-
-
-def test_a_coil_that_is_missing_is_named(tmp_path, fields):
-    path = write_csv(tmp_path / "m.csv", grid(), fields, coils=("xp", "xm", "yp", "clamp"))
-    with pytest.raises(ScenarioError, match="coil ym: 0 points"):
         FieldMap.from_file(path)
 
 

@@ -25,6 +25,7 @@ from stickslip import (
     Series,
     diagnose,
     diagnose_model,
+    load,
     models,
     read_measurement,
     velocity_of_track,
@@ -143,7 +144,7 @@ def track(folder, cause, level):
         x = speed * t + 3e-6 * np.sin(2.0 * np.pi * pace * t) + 2e-7 * draw.standard_normal(len(t))
         rows.append(velocity_of_track(t, x, drive))
     write_files(folder, NOMINAL.format(5), "")
-    scenario = Scenario.from_toml(folder / "nominal.toml")
+    scenario = load(folder / "nominal.toml")
     friction = {"contact.kinetic_friction": {"mean": 0.145, "sd": 0.01}}
     return diagnose(Measurement.from_dataframe(pd.DataFrame(rows), scenario, friction), threads=1)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from helpers import ADHESION, GRAVITY, MASS, friction, scenario
-from stickslip import Forces, Scenario, ScenarioError, _core, open_run, simulate
+from stickslip import Forces, ScenarioError, _core, load, open_run, simulate
 
 EVENTS = list(_core.events)
 FREQUENCY = 128.0  # Hz
@@ -208,7 +208,7 @@ def test_forces_by_rows(tmp_path):
         assert of.inner_velocity[at] == pytest.approx([expected], rel=1e-9, abs=1e-12)
     of.scenario.to_toml(tmp_path / "a.toml")
     assert (tmp_path / "a.forces.csv").exists()
-    read = Scenario.from_toml(tmp_path / "a.toml")
+    read = load(tmp_path / "a.toml")
     assert (read, hash(read)) == (of.scenario, hash(of.scenario))
     of.save(tmp_path / "a.nc")
     assert open_run(tmp_path / "a.nc").scenario == of.scenario

@@ -8,7 +8,7 @@ import pytest
 from command_line import check, stickslip, stickslip_process
 from made_measurement import write
 from refusals.scenario import CSV, HEAD, PROGRAM
-from stickslip import Scenario, ScenarioError, Waveform
+from stickslip import ScenarioError, Waveform, load
 from stickslip._util import columns
 from stickslip._util.files import check_folder, read_bytes
 from stickslip.walker import read_measurement
@@ -18,7 +18,7 @@ MEASUREMENT = 'stickslip_measurement = 1\nscenario = "s.toml"\n'
 NOT_UTF8 = "caf\udce9"  # how Python spells the bytes "café" has in Latin-1
 
 
-def refused(path, *words, read=Scenario.from_toml):
+def refused(path, *words, read=load):
     with pytest.raises(ScenarioError) as error:
         read(path)
     text = str(error.value)
@@ -81,7 +81,7 @@ def test_an_endless_pipe_is_refused(tmp_path):
     assert not writer.is_alive()
 
 
-@pytest.mark.parametrize("read", [Scenario.from_toml, Waveform.from_csv, read_table])
+@pytest.mark.parametrize("read", [load, Waveform.from_csv, read_table])
 def test_a_file_that_is_too_long_is_refused(tmp_path, read):
     path = tmp_path / "a"
     with path.open("wb") as file:

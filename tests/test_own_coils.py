@@ -1,7 +1,6 @@
 """Coils with values of their own: windings, circuits, drives and both directions."""
 
 import math
-import pickle
 
 import numpy as np
 import pytest
@@ -85,25 +84,6 @@ def test_a_key_of_all_coils_sets_those_that_no_key_of_one_does(turned_round):
     found = sweep(base, {key: [changes[key]] for key in keys})
     expected = simulate(base.replace(changes)).mean_velocity
     assert found["mean_velocity"].values.item() == expected
-
-
-def test_a_key_of_all_coils_that_single_ones_hide_is_known_until_it_acts(tmp_path):
-    five = {name: {"turns": 510.0} for name in COIL_NAMES}
-    changes = {f"coil.{name}.turns": 510.0 for name in COIL_NAMES}
-    hidden = Scenario(coil=Coil(turns=200.0, **five))
-    hidden.to_toml(tmp_path / "s.toml")
-    for each in (
-        hidden,
-        Scenario().replace({"coil.turns": 200.0, **changes}),
-        load(tmp_path / "s.toml"),
-        pickle.loads(pickle.dumps(hidden)),
-        hidden.replace({"drive.pulses": 5}),
-    ):
-        assert each.hidden == {"coil.turns": 200.0}
-        assert each.coil == hidden.coil
-        assert not each.replace({"coil.turns": 300.0}).hidden
-        assert not each.replace({"coil.xp.turns": 200.0}).hidden
-    assert not Scenario().replace(dict.fromkeys(changes, 9.0)).hidden
 
 
 @pytest.mark.parametrize("count", range(1, 6))

@@ -262,11 +262,6 @@ def test_given_axes_are_drawn_in(by_mode):
     assert [ax.get_title(loc="left") for ax in strip] == ["a", "b"]
 
 
-def test_a_picture_is_written_whole(tmp_path):
-    plot.save(plot.fields(recorded("walk")), tmp_path / "a.svg")
-    assert [each.name for each in tmp_path.iterdir()] == ["a.svg"]
-
-
 def test_a_sweep_has_a_line_a_mode_and_gaps(by_mode):
     broken = by_mode.copy(deep=True)
     broken.mean_velocity[1, 0] = np.nan

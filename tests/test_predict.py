@@ -1,6 +1,5 @@
 """Predictions with error bars: their quantiles, what failed, tables, files and pictures."""
 
-import json
 import math
 
 import numpy as np
@@ -12,7 +11,6 @@ from stickslip import (
     Drive,
     JointPrior,
     Scenario,
-    load,
     plot,
     predict,
     simulate,
@@ -168,17 +166,6 @@ def test_the_table_has_a_row_a_point(found):
         )
         assert table.attrs["units"][f"{name}_q10"] == "m/s"
     assert (table["failed"] == 0).all()
-
-
-def test_a_prediction_survives_its_file(found, tmp_path):
-    found.to_netcdf(tmp_path / "bands.nc")
-    again = xarray.load_dataset(tmp_path / "bands.nc")
-    xarray.testing.assert_identical(again, found)
-    # Its own scenario, from which it can be made again.
-    about = json.loads(again.attrs["sweep"])
-    (tmp_path / "again.toml").write_text(about["scenario"])
-    assert load(tmp_path / "again.toml").uncertain == BASE.uncertain
-    assert about["dimensions"] == {"drive_frequency": 2, "drive_mode": 2, "draw": 24}
 
 
 def test_bands_are_drawn_about_the_medians(found):

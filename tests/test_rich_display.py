@@ -123,19 +123,6 @@ def test_a_table_of_a_run_has_a_row_a_sample_with_units(walk_ipp, tmp_path):
             np.testing.assert_array_equal(table[name], values)
 
 
-def test_a_table_of_events_names_them(walk_ipp):
-    events = simulate(walk_ipp.scenario.replace({"record.rate": "events"}))
-    table = events.to_dataframe()
-    assert table["event"].tolist() == [events.event_names[k] for k in events.event]
-
-
-def test_a_table_of_a_run_without_a_record_is_refused(walk_ipp):
-    silent = simulate(walk_ipp.scenario.replace({"record.rate": "none"}))
-    assert silent.samples == 0
-    with pytest.raises(AttributeError, match=r"set record\.rate"):
-        silent.to_dataframe()
-
-
 def test_a_table_of_a_sweep_has_a_row_a_point_with_units(swept, tmp_path):
     table = sweep_dataframe(swept)
     assert len(table) == swept["status"].size

@@ -13,6 +13,7 @@ import stickslip
 from sections_stub import FILE, NAMES_FILE, RUN_FILE, names_stub_text, run_stub_text, stub_text
 from stickslip import (
     STATE_COLUMNS,
+    STATE_UNITS,
     Contact,
     Drive,
     Record,
@@ -108,6 +109,9 @@ def test_a_state_is_a_row_of_numbers():
     state = every_key_changed().initial
     assert State.from_row(state.row) == state
     assert Scenario().with_state(state).initial == state
+    assert "[initial]" not in Scenario().to_toml()
+    in_amperes = [name for name, unit in STATE_UNITS.items() if unit == "A"]
+    assert in_amperes == [name for name in STATE_COLUMNS if name.startswith(("current", "field"))]
     with pytest.raises(ScenarioError, match=r"initial\.contact = 8\.0: allowed is a whole number"):
         State.from_row([8.0 if name == "contact" else 0.0 for name in STATE_COLUMNS])
     with pytest.raises(ScenarioError, match=r"row of shape \(27,\): allowed is shape \(28,\)"):
@@ -165,18 +169,15 @@ def test_replace_leaves_the_original_alone():
 
 
 def test_what_is_no_key_is_kept_when_a_scenario_is_copied(tmp_path):
-    """Its notes depend on it: the fluid, and a key of all coils that has no effect."""
-    one = {f"coil.{name}.turns": 500.0 for name in ("xp", "xm", "yp", "ym", "clamp")}
-    scenario = Scenario().in_fluid("water").replace({**one, "coil.turns": 200.0, **one})
-    assert scenario.hidden
+    """Its notes depend on the fluid."""
+    scenario = Scenario().in_fluid("water")
     assert scenario.fluid
     again = [
         pickle.loads(pickle.dumps(scenario)), copy.copy(scenario), copy.deepcopy(scenario),
         scenario.replace({}), scenario.with_uncertain({"robot.mass": {"mean": 1e-8, "sd": 1e-9}}),
     ]  # fmt: skip
     for each in again:
-        assert (each.fluid, each.hidden) == (scenario.fluid, scenario.hidden)
-        assert each.fluid is not None
+        assert each.fluid == scenario.fluid
 
 
 ONE_OF_EACH_KIND = {

@@ -14,7 +14,6 @@ from own_effects import nothing_stays, register  # noqa: F401 (around every test
 from steps import STEP, named, random_rows
 from stickslip import (
     STATE_COLUMNS,
-    STATE_UNITS,
     Accelerations,
     Coil,
     Coils,
@@ -145,19 +144,6 @@ def test_a_coil_that_the_drive_does_not_use_may_be_stepped():
     assert sim.step({"xm": -20.0}, 0.05) == reached
 
 
-def test_a_state_survives_its_file_its_bytes_and_its_row(tmp_path):
-    state = stepped(Scenario(), random_rows(4))[-1]
-    assert State.from_row(state.row) == state
-    assert pickle.loads(pickle.dumps(state)) == state
-    scenario = Scenario(initial=state)
-    scenario.to_toml(tmp_path / "begun.toml")
-    assert Scenario.from_toml(tmp_path / "begun.toml") == scenario
-    in_amperes = [name for name, unit in STATE_UNITS.items() if unit == "A"]
-    assert in_amperes == [name for name in STATE_COLUMNS if name.startswith(("current", "field"))]
-    assert (STATE_UNITS["y"], STATE_UNITS["vy"], STATE_UNITS["heading"]) == ("m", "m/s", "rad")
-    assert "[initial]" not in Scenario().to_toml()
-
-
 def test_a_rollout_goes_on_from_an_array_of_states_and_writes_into_one():
     rows = random_rows(5)
     first = rollout(Scenario(), None, rows[:20], STEP, record=STATE_COLUMNS)
@@ -238,45 +224,6 @@ def test_a_batch_goes_on_with_those_whose_voltages_are_finite():
     batch.reset(2, Scenario().to_core())
     batch.step(rows[:, 0], STEP, False, threads)
     assert not batch.statuses().any()
-
-
-def test_a_batch_is_usable_after_an_effect_that_raised():
-    threads = 2
-    raises = {"now": False}
-
-    def pushed(state, parameters):
-        if raises["now"] and state.x > 0.5e-3:
-            raise RuntimeError("once")
-        return (0.0, 0.0, 0.0)
-
-    register(pushed, name="raises_once")
-    one = Scenario().replace({"effects.raises_once.k": 1.0})
-    away = one.replace({"initial.x": 1e-3})  # the only one that raises
-    batch = _core.SimulatorBatch([one.to_core(), away.to_core(), one.to_core()], whole_plane=False)
-    volts = np.tile([10.0, 0.0, 0.0, 0.0, -10.0], (3, 1))
-    batch.step(volts, STEP, False, threads)
-    raises["now"] = True
-    with pytest.raises(RuntimeError, match="once"):
-        batch.step(volts, STEP, False, threads)
-    raises["now"] = False
-    names = [tuple(_core.statuses)[each] for each in batch.statuses()]
-    assert names[1] == "interrupted"
-    assert set(names) <= {"ok", "interrupted"}
-    # Those that came to the end of the step are there, and go on.
-    twin = _core.SimulatorBatch([one.to_core()], whole_plane=False)
-    for _ in range(2):
-        twin.step(volts[:1], STEP, False, 1)
-    done = [run for run in (0, 2) if names[run] == "ok"]
-    for run in done:
-        assert batch_states(batch, 3)[run].tolist() == batch_states(twin, 1)[0].tolist()
-    for run in range(3):
-        if run not in done:
-            batch.reset(run, (away if run == 1 else one).to_core())
-    before = batch_states(batch, 3)
-    batch.step(volts, STEP, False, threads)
-    assert not batch.statuses().any()
-    current = STATE_COLUMNS.index("current_xp")
-    assert (batch_states(batch, 3)[:, current] > before[:, current]).all()
 
 
 def test_ctrl_c_ends_a_long_step_of_a_batch_and_leaves_it_usable():

@@ -2,17 +2,12 @@
 
 import multiprocessing
 import os
-import signal
-import threading
-import time
 from concurrent.futures import BrokenExecutor, ProcessPoolExecutor, ThreadPoolExecutor
 
-import distributed
 import numpy as np
 import pytest
 import xarray
 
-from command_line import stickslip
 from stickslip import Drive, Scenario, sweep
 from stickslip.sweeping import run_sweep
 
@@ -95,38 +90,3 @@ def test_a_worker_of_another_version_is_refused():
 
     with Newer(1) as executor, pytest.raises(RuntimeError, match=r"and this process 9\.9"):
         sweep(SLOW, VARY, executor=executor)
-
-
-@pytest.mark.nightly
-def test_a_cluster_of_which_a_worker_is_killed(expected, tmp_path):
-    killed = []
-
-    def kill_one(client, processes):
-        deadline = time.monotonic() + 60.0
-        while not killed and time.monotonic() < deadline:
-            busy = [name for name, tasks in client.processing().items() if tasks]
-            if len(busy) == 2:
-                os.kill(processes[busy[0]], signal.SIGKILL)
-                killed.append(busy[0])
-            time.sleep(0.01)
-
-    SLOW.to_toml(tmp_path / "s.toml")
-    vary = ["--vary=drive.frequency=20:200:31", "--vary=drive.mode=IPP,OPP"]
-    with (
-        distributed.LocalCluster(
-            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
-        ) as cluster,
-        distributed.Client(cluster, set_as_default=False) as client,
-    ):
-        processes = client.run(os.getpid)
-        assert len({*processes.values(), os.getpid()}) == 3
-        killer = threading.Thread(target=kill_one, args=(client, processes))
-        killer.start()
-        done = stickslip(
-            *("sweep", "s.toml", *vary, "--dask", cluster.scheduler_address, "--out=a.nc"),
-            cwd=tmp_path,
-        )
-        killer.join()
-    assert (done.returncode, done.stderr) == (0, "")
-    assert killed
-    xarray.testing.assert_identical(xarray.load_dataset(tmp_path / "a.nc"), expected)

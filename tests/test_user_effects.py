@@ -34,7 +34,7 @@ from own_effects import (
     register,
     unregister,
 )
-from stickslip import Scenario, ScenarioError, _core, simulate, simulate_batch, sweep
+from stickslip import Scenario, ScenarioError, _core, load, simulate, simulate_batch, sweep
 from stickslip.cli.commands import stickslip as command
 from stickslip.scenario.effects import EffectState
 
@@ -74,7 +74,7 @@ def test_it_is_listed_and_checked_like_the_others(tmp_path):
     assert changed.get("effects.own.length") == 1e-3
     assert changed == Scenario(effects={"own": {"k": 0.5}})
     changed.to_toml(tmp_path / "own.toml")
-    assert Scenario.from_toml(tmp_path / "own.toml") == changed
+    assert load(tmp_path / "own.toml") == changed
     with pytest.raises(ScenarioError, match=r"effects\.own\.k = 2\.0: allowed is a number from"):
         changed.replace({"effects.own.k": 2.0})
     with pytest.raises(ScenarioError, match=r'did you mean "effects\.own\.length"'):
@@ -89,7 +89,7 @@ def test_it_is_listed_and_checked_like_the_others(tmp_path):
     assert stickslip.effects() == before
     assert Scenario.keys() == keys
     with pytest.raises(ScenarioError, match="has to be registered first"):
-        Scenario.from_toml(tmp_path / "own.toml")
+        load(tmp_path / "own.toml")
     with pytest.raises(ScenarioError, match=r"effects\.own\.k: there is no such key; an effect of"):
         simulate(changed)
 

@@ -13,7 +13,6 @@ from stickslip import (
     ScenarioError,
     Waveform,
     simulate,
-    sweep,
     volts_per_tesla,
 )
 
@@ -202,15 +201,9 @@ def test_a_program_has_no_sawtooth_beside_it():
     program = Waveform.hold(0.1, {"clamp": -10.0})
     given = {"mode": "program", "program": program}
     played = Scenario(drive=Drive(**given))
-    fields = {"frequency": 45.0, "pulses": 5, "clamp": "up", "peak": 1e-3}
-    for key, value in {**fields, "heading": 0.5, "coils": "pairs"}.items():
-        said = f"drive.{key}: not allowed with drive.mode"
-        with pytest.raises(ScenarioError, match=said):
-            Scenario(drive=Drive(**given, **{key: value}))
-        with pytest.raises(ScenarioError, match=said):
+    for key, value in {"frequency": 45.0, "clamp": "up", "heading": 0.5, "coils": "pairs"}.items():
+        with pytest.raises(ScenarioError, match=f"drive.{key}: not allowed with drive.mode"):
             played.replace({f"drive.{key}": value})
-        with pytest.raises(ScenarioError, match=said):
-            sweep(played, {f"drive.{key}": [value]})
     # Where a sawtooth gives way to a program, nothing of it is left.
     sawtooth = Scenario(drive=Drive(mode="OPP", frequency=45.0, peak=1e-3))
     replaced = sawtooth.replace({f"drive.{key}": value for key, value in given.items()})

@@ -7,7 +7,7 @@ import pytest
 
 from diagnosis.test_lost_readings import KINDS, N, T, record
 from stickslip import ScenarioError, Series
-from stickslip.diagnosis.data.readings import counted_on
+from stickslip.diagnosis.data.readings import unwrap
 
 AT = np.arange(N)
 
@@ -37,8 +37,8 @@ def logged(how, n, inputs, y):
 HOW = [("held", 2, "repeated"), ("held", 5, "repeated"), ("slow sensor", 3, "repeated"),
        ("slow sensor", 1.6, "repeated"), ("lines", 2, "on-lines"), ("lines", 5, "on-lines"),
        ("lines", 20, "on-lines"), ("mean", 3, "averaged"), ("mean", 9, "averaged"),
-       ("mean about each", 5, "averaged"), ("largest", 10, "limits"), ("least", 25, "limits"),
-       ("both", 20, "limits"), ("largest", 60, "clipped")]  # fmt: skip
+       ("mean about each", 5, "averaged"), ("largest", 10, "saturated"), ("least", 25, "saturated"),
+       ("both", 20, "saturated"), ("largest", 60, "clipped")]  # fmt: skip
 
 
 @pytest.mark.parametrize("make", KINDS)
@@ -82,17 +82,17 @@ TURNS = 2.0 * np.sin(2.0 * T) + T
 @pytest.mark.parametrize("part", [1, 2, 4, 7, 12, 1 / 3])
 @pytest.mark.parametrize("noise", [0.0, 0.003])
 @pytest.mark.parametrize("low", [0.0, -0.5])
-def test_angles_that_begin_anew_after_a_part_of_a_turn_are_counted_on(part, noise, low):
+def test_angles_that_wrap_after_a_part_of_a_turn_are_unwrap(part, noise, low):
     span = math.tau / part
     y = TURNS * max(1.0, 2.0 / part) + noise * np.random.default_rng(2).standard_normal(N)
-    made, notes = counted_on("", (y - low * span) % span + low * span, "rad")
-    assert [note.code for note in notes] == ["counted-on"]
+    made, notes = unwrap("", (y - low * span) % span + low * span, "rad")
+    assert [note.code for note in notes] == ["unwrapped"]
     assert made - made[0] == pytest.approx(y - y[0], abs=1e-9)
 
 
 @pytest.mark.parametrize("y", [TURNS, np.sign(np.sin(9 * T)), 10.0 * np.sin(200 * T), T * 0.0])
-def test_what_only_jumps_is_not_counted_on(y):
-    assert counted_on("", y, "m") == (pytest.approx(y), [])
+def test_what_only_jumps_is_not_unwrap(y):
+    assert unwrap("", y, "m") == (pytest.approx(y), [])
 
 
 def test_two_rows_of_one_time_are_an_event():
@@ -121,3 +121,51 @@ def test_readings_behind_a_gap_in_which_an_input_changed_start_anew():
     assert [note.code for note in second.own_notes] == ["gap"]
     steady = Series(T[far], y[far], {"power": 0.0 * power[far]}, sd=0.1)
     assert len(steady.pieces()) == 1
+
+
+def first_order(u, rate=0.08):
+    y = [0.0]
+    for each in u[:-1]:
+        y.append(y[-1] + rate * (each - y[-1]))
+    return np.array(y)
+
+
+def levels(hold, seed=3):
+    return np.repeat(np.random.default_rng(seed).uniform(-1.0, 1.0, N // hold + 1), hold)[:N]
+
+
+CHIRP = np.sin(40.0 * T**2 / 2.0)
+REST = np.where((T > 2.0) & (T < 5.0), 0.0, np.sin(3.0 * T))
+# Inputs, and readings without noise, of which each is one.
+SOUND = {
+    "a pulse in a hundred": (np.where(AT % 100 < 10, 1.0, 0.0), None),
+    **{f"levels of {hold} rows": (levels(hold), None) for hold in (5, 8, 10, 20)},
+    **{f"a binary sequence of {hold} rows": (np.sign(levels(hold)), None) for hold in (5, 8, 10)},
+    **{f"a square of {period} rows": (np.where(AT % period < period // 2, 1.0, -1.0), None)
+       for period in (8, 10, 16, 20)},
+    "a chirp": (CHIRP, None), "a counter": (0.0 * T, AT // 2 * 1.0),
+    **{f"a sine of {period} rows": (0.0 * T, np.sin(2.0 * np.pi * AT / period))
+       for period in (4, 5, 10)},
+    "a rest": (0.0 * T, REST), "a line": (0.0 * T, T),
+    "a square that is read": (0.0 * T, np.where(T % 2.0 < 1.0, 0.0, 1.5)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-6, 2e-3])
+@pytest.mark.parametrize("name", SOUND)
+def test_readings_of_usual_inputs_all_count(name, noise):
+    if name == "a counter" and noise == 1e-6:
+        pytest.skip("a staircase of two rows with less noise than any meter is taken for a mean")
+    u, y = SOUND[name]
+    y = first_order(u) if y is None else y
+    still = (y == 0.0) if name == "a rest" else np.zeros(N, dtype=bool)
+    y = y + np.where(still, 0.0, noise * np.random.default_rng(1).standard_normal(N))
+    series = Series(T, y, {"u": u}, unit="rad")
+    assert (series.own_notes, len(series)) == ((), N)
+
+
+@pytest.mark.parametrize("height", [1.57, math.pi, 0.3])
+def test_set_points_are_not_unwrapped(height):
+    goal = np.where(T % 2.0 < 1.0, 0.0, height) - 0.5 * height * (height == math.pi)
+    assert unwrap("", goal, "rad", parts=False) == (pytest.approx(goal), [])
+    assert unwrap("", 2.0 * goal, "rad", parts=False) == (pytest.approx(2.0 * goal), [])

@@ -77,7 +77,7 @@ def test_errors_stated_too_large_are_said():
 
 
 def test_twins_are_a_set_and_two_causes_a_pair():
-    result = found(data(extra(wave=0.35)), (WAVE, TWIN, BEND))
+    result = found(data(extra(wave=0.4)), (WAVE, TWIN, BEND))
     assert result.verdict.kind == "ambiguous"
     assert set(result.verdict.causes) >= {"wave", "twin"}
     pair = found(data(extra(wave=0.6, step=0.8))).verdict

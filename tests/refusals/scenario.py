@@ -282,14 +282,8 @@ REFUSALS = [
     ("class", ("Scenario", {"contcat": 1}), ["Scenario: contcat = 1", 'did you mean "contact"?']),
     *(("arguments", given, words) for kind in KINDS for given, words in wrong_arguments(kind)),
     ("pulses", "OPP", 'mode = "OPP": allowed is none, as the voltages are those of IPP'),
-    *(
-        (
-            "class",
-            ("Waveform", {"blocks": [([0.0, 1.0], np.zeros((2, 5)), repeats)]}),
-            ["repeats = ", "allowed is a whole number from 1"],
-        )
-        for repeats in (2.7, np.float32(2.0), 0, "2", True, None, np.timedelta64(2, "s"))
-    ),
+    *(("class", ("Waveform", {"blocks": [([0.0, 1.0], np.zeros((2, 5)), repeats)]}),
+       ["repeats = ", "allowed is a whole number from 1"]) for repeats in (2.7, 0, True, None)),
     ("waveform", ("from_points", [0.0, 0.0], np.zeros((2, 5))), "no duration"),
     ("waveform", ("from_points", [0.1, 0.2], np.zeros((2, 5))), "has to be at 0"),
     ("waveform", ("from_points", [0, 2, 1], np.zeros((3, 5))), "must not fall"),

@@ -267,7 +267,7 @@ class Source:
         index = getattr(given, "index", None)
         is_time = getattr(getattr(index, "dtype", None), "kind", "") in ("m", "M")
         if is_time or plain(str(getattr(index, "name", ""))).split()[:1] in _TIMES:
-            given = given.rename_axis(index.name or "t").reset_index()
+            given = given.rename_axis(getattr(index, "name", None) or "t").reset_index()
         if hasattr(given, "data_vars"):  # of xarray
             there = {**given.coords, **given.data_vars}
             found: dict[Any, Any] | None = {k: v for k, v in there.items() if v.ndim == 1}

@@ -24,11 +24,8 @@ _SHOWN = {
     "most_swing": ("amplifier: swing", 1e3, "mT, of a sawtooth at drive.frequency"),
 }
 
-_CODES = {
-    "map-background", "map-turned", "window-short", "pulses-short", "hidden-key", "capacitor",
-    "voltage", "map",
-}  # fmt: skip
-"""Notes that concern coils."""
+_CODES = {"map-background", "map-turned", "window-short", "pulses-short", "capacitor", "voltage"}
+"""Notes that concern coils, beside that with the name of their map."""
 
 
 @click.command(
@@ -59,11 +56,10 @@ def command(
     output.check_files(read, plot=(plot, ()))
     facts = coil_facts(loaded, volts, amperes)
     changes = {name: dimension_changes(loaded, name) for name in facts}
-    notes = [note for note in scenario_notes(loaded) if note.code in _CODES]
+    notes = [note for note in scenario_notes(loaded) if note.code in {*_CODES, "map"}]
     if as_json:
         rows = {name: {**coil._asdict(), "changes": changes[name]} for name, coil in facts.items()}
-        told = [note.as_dict() for note in notes]
-        output.print_json({"units": UNITS, "coils": rows, "notes": told})
+        output.print_json({"units": UNITS, "coils": rows, "notes": [n.as_dict() for n in notes]})
     else:
         _print(facts, changes)
         for line in shown_lines(notes):

@@ -154,10 +154,6 @@ def _values(key: str, text: str) -> list[Value]:
     return [float(start + k * step) for k in range(count)]
 
 
-def _of_a_file(key: str, text: str) -> Value | Path:
-    return Path(text.strip(_QUOTES)) if key in PATHS else number_or_word(text)
-
-
 def _once(ctx: click.Context, param: click.Parameter, pairs: Any) -> dict[str, Any]:
     """The values by key."""
     table = dict[str, Any]()
@@ -187,15 +183,15 @@ SET_OF_MODEL = pairs(
 )
 
 
-def _keys_and_sign(*about: Any) -> list[CompletionItem]:
-    return [CompletionItem(f"{item.value}=", help=item.help) for item in key_names(*about)]
-
-
-KEYS: dict[str, Any] = {"shell_complete": _keys_and_sign}
+KEYS: dict[str, Any] = {
+    "shell_complete": lambda *about: [
+        CompletionItem(f"{item.value}=", help=item.help) for item in key_names(*about)
+    ]
+}
 
 SET = pairs(
     "--set",
-    _of_a_file,
+    lambda key, text: Path(text.strip(_QUOTES)) if key in PATHS else number_or_word(text),
     "key=value, such as drive.frequency=30",
     "Change a key, in SI units without their names; the last of a key counts",
     metavar="KEY=VALUE",

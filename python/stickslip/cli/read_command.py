@@ -11,6 +11,7 @@ import click
 
 from stickslip import models
 from stickslip._util.columns import Source
+from stickslip._util.note import Note
 from stickslip._util.units import Units
 from stickslip.cli import BAD_INPUT
 from stickslip.cli.log_models import format_recipe, load_model
@@ -47,15 +48,18 @@ def command(
 ) -> None:
     if write is not None and (model is None or write.suffix != ".toml"):
         raise click.UsageError("--write: allowed is the name of a .toml, with --model")
-    source, made, lacks = Source(log), None, [f"--model NAME, such as {', '.join(KINDS)}"]
+    source, made, notes = Source(log), None, tuple[Note, ...]()
+    lacks = [f"--model NAME, such as {', '.join(KINDS)}"]
     if model is not None:
         terms = KINDS[model].every.values() if model in KINDS else ()
         absent = [term for term in terms if term.absent is None
                   and term.name not in {*set, *KINDS[model].inputs}]  # fmt: skip
         lacks = [f"--set {each.name}=VALUE,ERROR  ({each.meaning}, {each.unit})" for each in absent]
         made = load_model(model, set | {term.name: 1.0 for term in absent}, [source])
-        read_or_explain(source, made, units, lacks)
+        notes = read_or_explain(source, made, units, lacks).own_notes
     _explain(source, made, units, lacks)
+    for note in notes:
+        say(f"note: {note}")
     if write is not None:
         write_new("--write", write, format_recipe(log, str(model), units, set, write.parent))
     if lacks and model:

@@ -124,7 +124,8 @@ def in_pieces(
     """Tables as a list; where states at the first reading are free, records in their pieces."""
     tables = tables_in(key, data)
     of_a_table = any(getattr(cause, "table", None) for cause in causes)
-    if of_a_table or not getattr(predict, "starts_free", False):
+    states = [name for name, _ in predict.kind.states] if hasattr(predict, "kind") else []
+    if of_a_table or not states or not predict.known.keys().isdisjoint(states):
         return [*tables]
     return [piece for table in tables
             for piece in (table.pieces() if isinstance(table, Series) else [table])]  # fmt: skip

@@ -329,7 +329,7 @@ class ForwardModel(OneLine):
     def _title(self) -> str:
         """The own function by its name, where it has one."""
         function = getattr(self.predict, "predict", self.predict)
-        name = str(getattr(getattr(function, "function", function), "__name__", ""))
+        name = str(getattr((*getattr(function, "args", ()), function)[0], "__name__", ""))
         return name if name.isidentifier() else "it"
 
     def columns(self, table: str, names: Sequence[str]) -> dict[str, int]:

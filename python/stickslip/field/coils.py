@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,13 +13,6 @@ from stickslip._util.messages import known_arguments, refuse
 
 AXES = (0, 0, 1, 1, 2)
 """Axis along which the field of each coil points at the origin, in the order of `COIL_NAMES`."""
-
-
-class HasCoils(Protocol):
-    """A `Scenario`."""
-
-    def to_core(self) -> _core.Scenario:
-        """The scenario for the compiled core."""
 
 
 @known_arguments
@@ -57,7 +50,7 @@ class Coils:
         self._core = _core.CoilSet(*map(_five, (side, distance, turns)))
 
     @classmethod
-    def of(cls, scenario: HasCoils) -> Coils:
+    def of(cls, scenario: Any) -> Coils:
         """The coils of a scenario, with the own values of single ones (``[coil.xp]`` ...).
 
         With ``coil.map`` the field is that of the map, and known in its `box` only; side, distance

@@ -112,7 +112,7 @@ class FieldMap:
             chosen = [np.flatnonzero(np.array(coils) == name) for name in names]
             samples = [(places[rows], fields[rows]) for rows in chosen]
             numbers = [[int(lines[row]) for row in rows.tolist()] for rows in chosen]
-            return cls.from_coils(samples, path.name, numbers)
+            return cls._of_coils(samples, path.name, numbers)
 
     @classmethod
     def from_points(cls, points: ArrayLike, fields: ArrayLike, source: str = "") -> FieldMap:
@@ -135,42 +135,19 @@ class FieldMap:
         shape = (len(places), len(_core.coil_names), len(_FIELD))
         if values.shape != shape:
             raise ScenarioError(f"fields of shape {values.shape}: allowed is shape {shape}")
-        return cls.from_coils([(places, of_coil) for of_coil in values.swapaxes(0, 1)], source)
+        return cls._of_coils([(places, of_coil) for of_coil in values.swapaxes(0, 1)], source)
 
     @classmethod
-    def from_coils(
+    def _of_coils(
         cls,
         samples: Sequence[tuple[Array, Array]],
-        source: str = "",
+        source: str,
         lines: Sequence[Sequence[int]] | None = None,
     ) -> FieldMap:
-        """Fit fields that were measured at points of its own for each coil, in a common box.
+        """Fit points, shape (n, 3), m, and fields at them, T/A, of each coil, in a common box.
 
-        Parameters
-        ----------
-        samples : sequence of tuple of ndarray
-            Points, shape (n, 3), m, and fields at them, shape (n, 3), T/A, of each coil in the
-            order of `COIL_NAMES`.
-        source : str
-            The file's name, or "" for none.
-        lines : sequence of sequence of int, optional
-            Line of each point in the file, which messages name.
-
-        Raises
-        ------
-        ScenarioError
-            If the samples are not of five coils, a number is not allowed, or no field of coils fits
-            the values.
+        `lines` are those of the points in a file, which messages name.
         """
-        _check_count("samples", samples)
-        if lines is None:  # arrays of a user
-            samples = [
-                (
-                    in_columns(f"points of {name}", points, _PLACE, axes=2, unit="m"),
-                    in_columns(f"fields of {name}", fields, _FIELD, axes=2, unit="T/A"),
-                )
-                for name, (points, fields) in zip(_core.coil_names, samples, strict=True)
-            ]
         low, high, fits = fit_coils(samples, lines)
         check_arrangement(samples, lines, fits)
         return cls(

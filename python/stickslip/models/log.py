@@ -23,7 +23,7 @@ from stickslip._util.recipes import Entry, Match, Recipe, per_heading, refuse_tw
 from stickslip._util.text import counted, plain
 from stickslip._util.units import SI, Units, same_unit, split_unit, zero_of
 from stickslip.diagnosis.data.columns import Heading, describe_table
-from stickslip.diagnosis.data.readings import counted_on
+from stickslip.diagnosis.data.readings import unwrap
 from stickslip.diagnosis.data.series import Series
 from stickslip.errors import ScenarioError
 
@@ -395,7 +395,7 @@ def _readings(table: SourceTable, wanted: Columns, notes: list[Note]) -> dict[st
         notes.append(Note("limits", text, len(beyond)))
     for name in values.keys() & wanted.inputs.keys():
         at = f"{columns[name].what.heading}: "
-        values[name], told = counted_on(at, values[name], columns[name].what.si)
+        values[name], told = unwrap(at, values[name], columns[name].what.si or "", False)
         notes += told
     return values
 

@@ -282,11 +282,6 @@ class Model(OneLine):
             units["duty"] = ("-",)  # one in V would be multiplied by the supply
         return units
 
-    @property
-    def starts_free(self) -> bool:
-        """Whether no start state is stated, so that a record may start anew."""
-        return self.known.keys().isdisjoint(name for name, _ in self.kind.states)
-
     def simulate(
         self, t: ArrayLike, inputs: Mapping[str, ArrayLike] | None = None, **values: float
     ) -> Array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -44,23 +45,25 @@ def vectorised(function: Callable[[Any, dict[str, float]], ArrayLike]) -> Callab
     """
     if not callable(function):
         refuse("vectorised", function, "a function of (table, p)")
+    return partial(_one_by_one, function)
 
-    def predict(table: Table, p: Mapping[str, Array]) -> Array:
-        inputs = table.inputs if isinstance(table, Series) else {}
-        many = [name for name, array in inputs.items() if array.ndim == 2]
-        vectors = max((len(array) for array in p.values()), default=1)
-        rows = []
-        for k in range(vectors):
-            single = {name: inputs[name][k] for name in many}
-            seen = table.with_inputs(single) if single and isinstance(table, Series) else table
-            values = {name: float(column[k, 0]) for name, column in p.items()}
-            made = function(seen, values)
-            if made is None:
-                return None
-            rows.append(numbers("model: its answer", made, gaps=True, finite=False))
-        return np.array(rows)
 
-    return predict
+def _one_by_one(
+    function: Callable[[Any, dict[str, float]], ArrayLike], table: Table, p: Mapping[str, Array]
+) -> Array:
+    inputs = table.inputs if isinstance(table, Series) else {}
+    many = [name for name, array in inputs.items() if array.ndim == 2]
+    vectors = max((len(array) for array in p.values()), default=1)
+    rows = []
+    for k in range(vectors):
+        single = {name: inputs[name][k] for name in many}
+        seen = table.with_inputs(single) if single and isinstance(table, Series) else table
+        values = {name: float(column[k, 0]) for name, column in p.items()}
+        made = function(seen, values)
+        if made is None:
+            return None
+        rows.append(numbers("model: its answer", made, gaps=True, finite=False))
+    return np.array(rows)
 
 
 @dataclass(frozen=True, repr=False, eq=False)

@@ -71,15 +71,14 @@ def is_free_shape(name: str) -> bool:
     return name.startswith("free_") and f"{PREFIX}{name}.knot_1" in known_keys()
 
 
-def suggested_effect(name: str, others: Iterable[str] = ()) -> str:
+def suggested_effect(name: str) -> str:
     """The effect that `name` probably means, or all effects.
 
-    Effects of free shape are many and alike, and are not listed. `others` are words that may be
-    meant too.
+    Effects of free shape are many and alike, and are not listed.
     """
     names = [effect.name for effect in effects()]
     listed = [name for name in names if not is_free_shape(name)]
-    return suggestion(name, [*names, *others], listed)
+    return suggestion(name, names, listed)
 
 
 def flat_effects(settings: object) -> dict[str, Any]:

@@ -238,15 +238,9 @@ def wall_factors(gap: float) -> tuple[float, float]:
 class LeftOut(NamedTuple):
     """Parts of a fluid's force on a robot that the model leaves out.
 
-    Attributes
-    ----------
-    drag, mass : float
-        Of the unsteady fluid on a swinging sphere: more drag, over that of Stokes, and mass carried
-        along, over the robot's (Stokes, 1851).
-    inertia : float
-        Of steady motion: more drag, over that of Stokes (Schiller and Naumann, 1933).
-    film : float
-        Drag of the film below a robot that lies flat, Eq. (16), over its drag in the model.
+    Over Stokes' drag: more of it on a sphere that swings (Stokes, 1851), and that moves steadily
+    (`inertia`; Schiller and Naumann, 1933), and of the film below a robot that lies flat, Eq. (16).
+    Over the robot's mass: that of the fluid which a swinging sphere carries along.
     """
 
     drag: float = 0.0

@@ -26,7 +26,6 @@ from stickslip.scenario.effects import flat_effects
 from stickslip.scenario.held import OBJECTS, PATHS, with_files
 from stickslip.scenario.keys import (
     COIL_MAP,
-    COIL_NAMES,
     FILE,
     LAWS,
     PREFIX,
@@ -204,27 +203,6 @@ class Scenario:
     def uncertain(self) -> JointPrior | None:
         """Priors of the uncertain parameters; None without any."""
         return self._uncertain
-
-    @staticmethod
-    def from_toml(path: str | PathLike[str]) -> Scenario:
-        """Read a scenario file.
-
-        Parameters
-        ----------
-        path : path-like
-            A TOML file with ``stickslip = 1`` and a section ``[drive]``.
-
-        Returns
-        -------
-        Scenario
-
-        Raises
-        ------
-        ScenarioError
-            If the file cannot be read, is not such a file, or holds a key or value that is not
-            allowed.
-        """
-        return loaded(path)[0]
 
     def to_toml(self, path: str | PathLike[str] | None = None) -> str:
         """The scenario as the text of a TOML file, with every key.
@@ -490,15 +468,6 @@ class Scenario:
         """The same scenario for the compiled core, with the effects registered now."""
         return _core.Scenario(self._core)
 
-    @property
-    def hidden(self) -> Mapping[str, Any]:
-        """Values without effect by dotted key: of all coils, where all five have their own."""
-        coil = self.coil.as_dict()
-        held = [coil[name]._asdict() for name in COIL_NAMES]
-        shown = {key: [key.default, *(one[key.field] for one in held)] for key in keys_of("coil")}
-        hidden = {key.name: coil[key.field] for key in shown if coil[key.field] not in shown[key]}
-        return MappingProxyType(hidden)
-
     def _state(self) -> tuple[dict[str, Value], list[Any], Any]:
         return self._core.changed(), [self._held.get(key) for key in OBJECTS], self._uncertain
 
@@ -555,8 +524,19 @@ def _shown(key: Key, value: Value) -> str:
 
 
 def load(path: str | PathLike[str]) -> Scenario:
-    """Read a scenario file; the same as `Scenario.from_toml`."""
-    return Scenario.from_toml(path)
+    """Read a scenario file.
+
+    Parameters
+    ----------
+    path : path-like
+        A TOML file with ``stickslip = 1`` and a section ``[drive]``.
+
+    Raises
+    ------
+    ScenarioError
+        If the file cannot be read, is not such a file, or holds a key or value that is not allowed.
+    """
+    return loaded(path)[0]
 
 
 def loaded(path: str | PathLike[str]) -> tuple[Scenario, list[Path]]:
@@ -579,7 +559,7 @@ def with_uncertain_of(scenario: Scenario, path: str | PathLike[str]) -> Scenario
             raise ScenarioError("there is no section [uncertain]")
         if "stickslip" not in document:
             return scenario.with_uncertain(document["uncertain"])
-    return scenario.with_uncertain(Scenario.from_toml(path))
+    return scenario.with_uncertain(load(path))
 
 
 def load_with(path: Path, set: Mapping[str, Any]) -> tuple[Scenario, list[Path]]:

@@ -8,9 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from stickslip import _core
-from stickslip._util.messages import shown
 from stickslip._util.note import Note
-from stickslip.scenario.held import HELD
 from stickslip.scenario.keys import known_keys
 from stickslip.scenario.matter import left_out
 from stickslip.simulation.map_background import map_notes
@@ -33,19 +31,16 @@ CODES = (
     "field-change", "velocity-grows", "turning", "start-up", "window-short", "pulses-short",
     "fluid", "inner",
     # Other values that are probably mistakes.
-    "map-background", "map-turned", "period-end", "hidden-key", "unusual", "prior",
+    "map-background", "map-turned", "unusual", "prior",
     "capacitor", "voltage", "density", "moment", "steep-surface", "adhesion",
     "tangential-restitution", "tolerance",
     # Facts, without a fault.
-    "map", "shake-mean",
+    "map",
 )  # fmt: skip
 """Codes of the notes of runs, the most serious first."""
 
 STEADY_PULSES = 4
 """Fewest pulses whose measuring window, from the end of the third, has no start-up; section VII."""
-
-MUCH_MEAN = 1e-6
-"""Means of a shake's accelerations above this part of the largest are noted. Chosen: rounding."""
 
 MUCH_OF_FLUID = 0.1
 """Parts of the drag above which what the model leaves out of a fluid is noted. Chosen: drag of the
@@ -78,29 +73,10 @@ def _unusual(scenario: Scenario, others: Iterable[Note]) -> Iterator[Note]:
 
 
 def _of_files(scenario: Scenario) -> Iterator[Note]:
-    """Notes on what the core does not know: how values and files were given."""
-    for key, value in scenario.hidden.items():
-        text = f"{key} = {shown(value)} has no effect: all five coils have their own values"
-        yield Note("hidden-key", f"{text}, such as those of [coil.xp]", float(value))
+    """Notes on the measured map of the coils, which the core does not know as a file."""
     if scenario.coil.map is not None:
         yield from map_notes(scenario.coil.map)
         yield Note("map", f"the field of the coils is that of {scenario.coil.map}")
-    shaken = scenario.shake.accelerations
-    if shaken is not None and math.hypot(*shaken.mean) > MUCH_MEAN * shaken.most:
-        x, z = shaken.mean
-        text = (
-            f"shake.file: the mean of its accelerations, {x:.3g} m/s^2 along x and {z:.3g} m/s^2 "
-            "along z, is taken out, as the surface would drift away"
-        )
-        yield Note("shake-mean", text, math.hypot(x, z))
-    for key, held in scenario.held.items():
-        if end := getattr(held, "missing_end", None):
-            text = (
-                f"{HELD[key].file}: its last row is not the first again, and one more step would "
-                f"join them, so that the period of {held.period:.6g} s, its last time, may be a "
-                f"step too short; add the first row again at t = {end:.6g} s"
-            )
-            yield Note("period-end", text, end)
 
 
 def peak_voltages(scenario: Scenario) -> dict[str, float]:

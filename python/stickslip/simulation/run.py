@@ -15,6 +15,7 @@ import numpy as np
 
 from stickslip import _core
 from stickslip._util.files import NETCDF_SUFFIXES, check_suffix, write_rows
+from stickslip._util.html import html_table
 from stickslip._util.note import Note
 from stickslip._util.text import printable
 from stickslip._util.units import handy
@@ -190,23 +191,17 @@ class Run(Recorded):
         return f"{self.status}, {velocity}, {samples}"
 
     def _repr_html_(self) -> str:
-        """The headline and notes, and with pandas a table of the numbers."""
+        """The headline and notes, and a table of the numbers."""
         lines = [self._headline(), *([] if self.ok else [self.message]), *shown_lines(self.notes)]
-        texts = "".join(f"<p>{escape(printable(line))}</p>\n" for line in lines)
-        try:
-            import pandas as pd
-        except ModuleNotFoundError:
-            return texts
         summary = self.summary()
         rows = [
-            (name, f"{summary[name]:.6g}", "" if unit == "1" else unit, meaning)
+            (name, f"{summary[name]:.6g} {unit}".removesuffix(" 1") + f": {meaning}")
             for name, (unit, meaning) in {**VELOCITIES, **NUMBERS}.items()
             if math.isfinite(summary.get(name, math.nan))
         ]
         events = ", ".join(f"{count} {kind}" for kind, count in summary["events"].items() if count)
-        rows.append(("events", events or "none", "", ""))
-        table = pd.DataFrame(rows, columns=["", "value", "unit", "is"])
-        return texts + str(table.to_html(index=False, border=0))
+        texts = "".join(f"<p>{escape(printable(line))}</p>\n" for line in lines)
+        return texts + html_table("Summary", [*rows, ("events", events or "none")])
 
     @property
     def ok(self) -> bool:
@@ -359,31 +354,11 @@ class Run(Recorded):
         table.attrs["units"] = units
         return table
 
-    def to_netcdf(self, path: str | PathLike[str]) -> None:
-        """Write `to_xarray` to a netCDF file, whole or not at all; errors are those of `save`."""
-        write_run(path, self.scenario, self.attributes(), self._arrays())
-
-    def to_csv(self, path: str | PathLike[str]) -> None:
-        """Write the record to a CSV file, whole or not at all, for other programs.
-
-        The headings name the units, such as ``t (s)``; contact and event are words. A cell without
-        a value, such as the slip of a contact in flight, is empty. Errors are those of `save`.
-        """
-        titles: list[str] = []
-        columns: list[list[Any]] = []
-        for name, values in self._arrays().items():
-            titles += headings(name)
-            if name in WORDS:
-                columns.append([WORDS[name][code] for code in values])
-            else:
-                parts = values.T if values.ndim == 2 else [values]
-                columns += [
-                    np.where(np.isnan(part), "", part.astype(str)).tolist() for part in parts
-                ]
-        write_rows(path, [titles], zip(*columns, strict=True))
-
     def save(self, path: str | PathLike[str]) -> None:
-        """Write the record in the format that the suffix names: `to_netcdf` or `to_csv`.
+        """Write the record in the format that the suffix names, whole or not at all.
+
+        A CSV file is for other programs: its headings name the units, such as ``t (s)``, contact
+        and event are words, and a cell without a value, such as the slip in flight, is empty.
 
         Parameters
         ----------
@@ -400,10 +375,21 @@ class Run(Recorded):
             If the file cannot be written; an older file of that name is then untouched.
         """
         check_suffix(path, SUFFIXES)
-        if Path(path).suffix.lower() == ".csv":
-            self.to_csv(path)
-        else:
-            self.to_netcdf(path)
+        if Path(path).suffix.lower() != ".csv":
+            write_run(path, self.scenario, self.attributes(), self._arrays())
+            return
+        titles: list[str] = []
+        columns: list[list[Any]] = []
+        for name, values in self._arrays().items():
+            titles += headings(name)
+            if name in WORDS:
+                columns.append([WORDS[name][code] for code in values])
+            else:
+                parts = values.T if values.ndim == 2 else [values]
+                columns += [
+                    np.where(np.isnan(part), "", part.astype(str)).tolist() for part in parts
+                ]
+        write_rows(path, [titles], zip(*columns, strict=True))
 
 
 def open_run(path: str | PathLike[str]) -> Run:

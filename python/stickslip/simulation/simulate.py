@@ -153,7 +153,7 @@ def simulate(
         return _simulated_into(out, scenario, progress, until)
     check_writable(out)
     run = simulate_batch([scenario], threads=1, progress=progress, until=until)[0]
-    run.to_csv(out)
+    run.save(out)
     return run
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -12,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import _core
-from stickslip._util.arrays import RELATIVE, Array, Indices, columns_of, representatives
+from stickslip._util.arrays import Array, Indices, columns_of
 from stickslip._util.messages import MOST_VALUES, as_list, check_kind, shown
 from stickslip.errors import ScenarioError
 from stickslip.scenario.changes import Changes
@@ -204,12 +205,6 @@ def _check_key(key: str) -> None:
 def _check_axis(key: str, values: list[Value]) -> None:
     if not values:
         raise ScenarioError(f"{key}: there is no value")
-    same: dict[Any, Any] = representatives(value for value in values if isinstance(value, float))
-    seen: dict[Value, Value] = {}
-    for value in values:
-        one = same.get(value, value)
-        if one in seen:
-            near = f", as {shown(seen[one])}: they differ by less than {RELATIVE:g} of their size"
-            text = "this value is given twice" + ("" if value == seen[one] else near)
-            raise ScenarioError(f"{key} = {shown(value)}: {text}")
-        seen[one] = value
+    twice = next((value for value, count in Counter(values).items() if count > 1), None)
+    if twice is not None:
+        raise ScenarioError(f"{key} = {shown(twice)}: this value is given twice")

@@ -12,7 +12,7 @@ from scipy.special import fdtrc
 
 from stickslip._util.arrays import Array, Mask, check_indexes, conversions, root_mean_square, row
 from stickslip._util.messages import check_kind, refuse
-from stickslip.diagnosis.data.readings import sifted
+from stickslip.diagnosis.data.readings import find_readings
 from stickslip.errors import ScenarioError
 from stickslip.scenario.keys import Value, known_keys
 from stickslip.scenario.scenario import Scenario
@@ -192,7 +192,7 @@ def _frames(
     off = lost_frames(times[inside], places[inside], length)
     _say_left_out(times[inside][off], len(off), f"not where the robot of {length:g} m can be", 4)
     times, places = times[inside][~off], places[inside][~off]
-    found = sifted("", times, places, "m", ())
+    found = find_readings("", times, places, "m", ())
     again = ~found.kept & (found.averaged == 1)
     _say_left_out(times[again], len(again), "repeats, lines between others or an end of a range", 4)
     times, places = times[~again], places[~again]

@@ -1,8 +1,8 @@
 """What counts as a reading of a record: rows that no sensor gave by itself are found here.
 
 A logger that is faster than its sensor writes each reading again; tools fill in rows by lines; a
-device gives the mean of its last readings; an angle begins anew; a sensor stands at an end of its
-range. Each is told from the readings alone, before any search, with one note.
+device gives the mean of its last readings; an angle wraps; a sensor saturates. Each is told from
+the readings and inputs, before any search, with one note.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import numpy as np
 from stickslip._util.arrays import Array, Mask, root_mean_square
 from stickslip._util.note import Note
 from stickslip._util.text import counted
+from stickslip._util.units import is_of, per_si
 from stickslip.diagnosis.data.errors import meter_step
 
 _ORDERS, _FLAT, _SMALL = (3, 5), 1.3, 0.5
@@ -23,12 +24,19 @@ _ORDERS, _FLAT, _SMALL = (3, 5), 1.3, 0.5
 to which they agree, and the largest noise beside the scatter of the readings. Chosen: a sine of
 five readings a period has a ratio of 1.6."""
 
+AVERAGED = "averaged"
+"""Code of the note on means of rows."""
+
 CLIPPED = "clipped"
 """Code of the note on readings at an end of a range that are too many to be left out."""
 
 _FEWEST, _REGULAR, _CLEAR = 20, 0.95, 3.0
 """Fewest readings that show how rows were made; the part of the rows that have to be made so; and
 how many times larger than by chance or by rounding what shows it has to be. Chosen."""
+
+_KNOWN = "a turn", "a counter"  # ranges that readings need not fill to wrap
+
+_FILLED = 1e-4  # least part of a mean's spectrum in its zeros; chosen: 40 dB below its neighbours
 
 _LEAST, _LONGEST, _DEEP = 5, 24, 20.0
 """Fewest readings at an end of a range and about a zero of a spectrum, the longest mean of rows,
@@ -41,13 +49,13 @@ Chosen: starts anew cost a parameter or two."""
 
 
 @dataclass(frozen=True)
-class Sifted:
+class Readings:
     """Rows that are readings.
 
     Attributes
     ----------
     y : ndarray, shape (n,)
-        Readings, counted on where they begin anew.
+        Readings, unwrapped.
     kept : ndarray of bool, shape (n,)
     averaged : int
         How many rows the logger has averaged for each; 1 where it has not.
@@ -60,9 +68,19 @@ class Sifted:
     notes: tuple[Note, ...] = ()
 
 
-def sifted(at: str, t: Array, y: Array, unit: str, acting: Iterable[Array]) -> Sifted:
-    """Find the rows of a record that are readings, with what is `acting` on it."""
-    y, notes = counted_on(at, y, unit)
+def find_readings(at: str, t: Array, y: Array, unit: str, inputs: Iterable[Array]) -> Readings:
+    """Find the rows of a record that are readings.
+
+    Parameters
+    ----------
+    at : str
+        The start of notes.
+    t, y : ndarray, shape (n,)
+        Times, s, and what was read, in `unit`.
+    unit : str
+    inputs : iterable of ndarray, shape (n,)
+    """
+    y, notes = unwrap(at, y, unit)
     kept = np.ones(len(y), dtype=bool)
     for made, text in (
         (_repeated, "repeat the one before them: the logger is faster than its sensor"),
@@ -77,17 +95,17 @@ def sifted(at: str, t: Array, y: Array, unit: str, acting: Iterable[Array]) -> S
     if len(gone):
         many = len(gone) > 0.5 * len(y)
         ends = " and ".join(f"{end:.6g}" for end in np.unique(y[gone]))
-        text = f"{at}{len(gone)} of {len(y)} readings stand at {ends}, an end of the sensor's range"
-        notes.append(Note(CLIPPED if many else "limits",
+        text = f"{at}{len(gone)} of {len(y)} readings stand at {ends}, perhaps an end of the range"
+        notes.append(Note(CLIPPED if many else "saturated",
                           f"{text}{'' if many else ', and are left out'}.", len(gone)))  # fmt: skip
         kept[gone] = many
-    averaged = _averaged(t, y, acting) if kept.all() else 1
+    averaged = _averaged_rows(t, y, inputs) if kept.all() else 1
     if averaged > 1:
         row = np.arange(len(y))
         kept[:] = ((row + 1) % averaged == 0) & (row + averaged // 2 < len(y))
-        text = f"{at}each reading is a mean of {averaged} rows, of which one counts."
-        notes.append(Note("averaged", text, averaged))
-    return Sifted(y, kept, averaged, tuple(notes))
+        text = f"{at}readings are means of {averaged} rows: one of {averaged} counts."
+        notes.append(Note(AVERAGED, text, averaged))
+    return Readings(y, kept, averaged, tuple(notes))
 
 
 def _regular(new: Mask) -> bool:
@@ -114,23 +132,29 @@ def _on_lines(t: Array, y: Array) -> Mask:
     share = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
     share[np.isclose(share, 0.5)] = 0.5  # even steps, but for rounding
     off = np.abs(y[1:-1] - y[:-2] - share * (y[2:] - y[:-2]))
-    rounding = max(meter_step(y), _rounding(y))
-    gone[1:-1] = off <= rounding
+    steepest = float(np.max(np.abs(np.diff(y) / np.diff(t))))
+    rounding = max(meter_step(y), _rounding(y), 1e-300) + steepest * _rounding(t)
+    gone[1:-1] = (off <= rounding) & (np.diff(y)[1:] != 0.0)
     others = off[off > rounding]
     clear = len(others) >= _FEWEST and np.median(others) > _CLEAR**2 * rounding
-    return gone & (clear and np.mean(gone) > 1.0 - _REGULAR and _regular(~gone))
+    # A wave of a few rows a period lies on lines too, with few values.
+    several = len(np.unique(np.round(y[~gone] / (_CLEAR * rounding)))) > 0.5 * np.sum(~gone)
+    return gone & (clear and several and np.mean(gone) > 1.0 - _REGULAR and _regular(~gone))
 
 
 def _at_the_ends(t: Array, y: Array) -> Mask:
-    """Readings that stand at the least or the largest, as no others stand, which scatter."""
+    """Readings that stand at the least or the largest, as no others stand, which scatter.
+
+    What stands at zero rests.
+    """
     same, there = np.diff(y) == 0.0, (y == np.min(y)) | (y == np.max(y))
     for end in (np.min(y), np.max(y)):
         stands = np.sum(same & (y[1:] == end))
-        if stands < max(_LEAST, _CLEAR * np.sum(same & ~there[1:])):
+        if end == 0.0 or stands < max(_LEAST, _CLEAR * np.sum(same & ~there[1:])):
             there &= y != end
     inside = (y > np.min(y)) & (y < np.max(y))
     scatter = scatter_about_a_curve(t[inside], y[inside])
-    return there & (scatter > _CLEAR * max(meter_step(y[inside]), _rounding(y)))
+    return np.asarray(there & (scatter > _CLEAR * max(meter_step(y[inside]), _rounding(y))))
 
 
 def _rounding(y: Array) -> float:
@@ -138,68 +162,85 @@ def _rounding(y: Array) -> float:
     return 100.0 * np.finfo(float).eps * float(np.max(np.abs(y)))
 
 
-def _averaged(t: Array, y: Array, acting: Iterable[Array]) -> int:
-    """How many rows a logger has averaged for each, by the zeros of the mean's spectrum; 1 if none.
+def _averaged_rows(t: Array, y: Array, inputs: Iterable[Array]) -> int:
+    """Find how many rows a logger has averaged for each, by the zeros of its spectrum; 1 if none.
 
-    About each zero, a spectrum that falls evenly is compared with such a one times that of a mean.
+    An input that is held for as many rows has them too: what it shows does not count.
     """
     count, steps = len(y) - 1, np.diff(t)
-    # An input that is new every so many rows has the zeros of a mean of as many.
-    held = {int(np.median(np.diff(at))) for row in acting
-            if len(at := np.flatnonzero(np.diff(row))) > 1}  # fmt: skip
-    if count < _FEWEST or np.ptp(steps) > 0.5 * np.median(steps):
+    least = _CLEAR * meter_step(y)
+    if count < _FEWEST or np.ptp(steps) > 0.5 * np.median(steps) or np.std(np.diff(y)) < least:
         return 1
-    change = np.diff(y) - np.median(np.diff(y))
-    power = np.log(np.abs(np.fft.rfft(change * np.hanning(count + 2)[1:-1])) ** 2 + 1e-300)
-    place = np.arange(len(power)) / count
-    wave, gain = np.sin(np.pi * np.maximum(place, 1.0 / count)), {1: _DEEP}
-    for width in {*range(3, min(_LONGEST, count // 10) + 1)} - held:
-        mean = (np.sin(np.pi * place * width) / (width * wave)) ** 2
-        mean = np.log(mean + 1e-4 + (0.7 * np.pi / count / wave) ** 2)  # leaks through the window
-        cell = np.floor(place * width + 0.5).astype(int)
-        parts = [np.flatnonzero(cell == k) for k in range(1, cell[-1] + 1)]
-        gain[width] = sum(0.5 * len(at) * math.log(_left(place[at], power[at])
-                          / _left(place[at], power[at] - mean[at]))
-                          for at in parts if len(at) > _LEAST)  # fmt: skip
+    gain = {1: _DEEP} | _spectral_zeros(np.diff(y))
+    for row in inputs:
+        for width, held in _spectral_zeros(row[1:]).items() if np.ptp(row) else ():
+            gain[width] -= max(held, 0.0)
     return max(gain, key=lambda width: gain[width])
 
 
-def _left(place: Array, values: Array) -> float:
-    """Square sum of what a line leaves of some values."""
-    line = np.polyval(np.polyfit(place, values, 1), place)
+def _spectral_zeros(values: Array) -> dict[int, float]:
+    """Compare a spectrum with those of means over some rows: gains in log-likelihood by width.
+
+    About each zero, a spectrum that falls evenly is set beside such a one times that of the mean,
+    both in logarithms.
+    """
+    count, gain = len(values), {}
+    windowed = (values - np.median(values)) * np.hanning(count + 2)[1:-1]
+    power = np.log(np.abs(np.fft.rfft(windowed)) ** 2 + 1e-300)
+    place = np.arange(len(power)) / count
+    wave = np.sin(np.pi * np.maximum(place, 1.0 / count))
+    for width in range(3, min(_LONGEST, count // 10) + 1):
+        mean = (np.sin(np.pi * place * width) / (width * wave)) ** 2
+        # A Hann window's main lobe, two lines wide, fills a zero; readings are rounded besides.
+        mean = np.log(mean + (0.7 * np.pi / count / wave) ** 2 + _FILLED)
+        cell = np.floor(place * width + 0.5).astype(int)
+        parts = [np.flatnonzero(cell == k) for k in range(1, cell[-1] + 1)]
+        gain[width] = sum(0.5 * len(at) * math.log(_residual_squares(place[at], power[at])
+                          / _residual_squares(place[at], power[at] - mean[at]))
+                          for at in parts if len(at) > _LEAST)  # fmt: skip
+    return gain
+
+
+def _residual_squares(x: Array, values: Array) -> float:
+    """Sum the squares of what a line leaves of some values."""
+    line = np.polyval(np.polyfit(x, values, 1), x)
     return float(np.sum((values - line) ** 2)) + 1e-300
 
 
-def counted_on(at: str, y: Array, unit: str) -> tuple[Array, list[Note]]:
-    """Return readings that go on where they begin anew, and a note on that, if they do.
+def unwrap(at: str, y: Array, unit: str, parts: bool = True) -> tuple[Array, list[Note]]:
+    """Unwrap angles and counters, and say so in a note.
 
-    So do angles after a turn, or an even part or number of turns, and whole numbers of steps that
-    use the 16 or 32 bits which they have.
+    Angles wrap at a turn, or with `parts` at a part or multiple of one; whole numbers of steps at
+    the 16 or 32 bits that they use. Readings that only jump, as a set point does, do not fill the
+    range between.
     """
-    for span, what in _spans(y, unit):
+    if len(y) < 2 or not np.ptp(y):
+        return y, []
+    for span, what in _spans(y, unit, parts):
         turns = -np.round(np.diff(y) / span)
         wide = np.flatnonzero(turns)
         left = np.abs(np.diff(y) + span * turns)[wide]
-        if len(wide) and np.ptp(y) <= span * (2.0 - _REGULAR) and np.all(left < 0.5 * 0.5 * span):
+        fits = np.ptp(y) <= span * (2.0 - _REGULAR) and np.all(left < 0.5 * 0.5 * span)
+        fills = np.max(np.diff(np.sort(y))) < 0.5 * 0.5 * span
+        if len(wide) and fits and (fills or (what in _KNOWN and np.ptp(y) < span - _rounding(y))):
             made = y + span * np.concatenate([[0.0], np.cumsum(turns)])
-            if what == "a counter":  # a count below zero was written as a large one
-                made -= span * np.round(np.median(made[:9]) / span)
-            text = f"{at}readings begin anew {counted(len(wide), 'time')}, first at row "
-            text += f"{wide[0] + 1}: counted on by {span:.6g}, {what}."
-            return made, [Note("counted-on", text, len(wide))]
+            if what == _KNOWN[1]:  # a count below zero was written as a large one
+                made -= span * np.round(made[0] / span)
+            text = f"{at}readings wrap {counted(len(wide), 'time')}, first at row {wide[0] + 1}: "
+            return made, [Note("unwrapped", f"{text}unwrapped by {span:.6g}, {what}.", len(wide))]
     return y, []
 
 
-def _spans(y: Array, unit: str) -> Iterator[tuple[float, str]]:
-    """What readings may begin anew after, and what it is."""
-    width, jumps = float(np.ptp(y)) if len(y) else 0.0, np.diff(y)
+def _spans(y: Array, unit: str, parts: bool) -> Iterator[tuple[float, str]]:
+    """Yield ranges after which readings may wrap, and what they are."""
+    width, jumps = float(np.ptp(y)), np.diff(y)
     is_wide = np.abs(jumps) > 0.5 * width
     steps, wide = np.where(is_wide, 0.0, jumps), np.flatnonzero(is_wide)
-    if unit == "rad":
-        turn = math.tau
-        yield turn, "a turn"
+    if is_of(unit, "rad"):
+        turn = math.tau * per_si(unit, "rad")
+        yield turn, _KNOWN[0]
         inside = wide[(wide > 0) & (wide < len(jumps) - 1)]
-        if len(inside) > 1:  # less how it changes before and after
+        if parts and len(inside) > 1:  # less how it changes before and after
             change = jumps[inside] - 0.5 * (steps[inside - 1] + steps[inside + 1])
             span = float(np.median(np.abs(change)))
             part = max(round(turn / span), 1) / max(round(span / turn), 1)
@@ -207,7 +248,7 @@ def _spans(y: Array, unit: str) -> Iterator[tuple[float, str]]:
     step = meter_step(y)
     for end in (2.0**16, 2.0**32):
         if step and _REGULAR * end < width / step < end:
-            yield end * step, "a counter"
+            yield end * step, _KNOWN[1]
 
 
 def scatter_about_a_curve(t: Array, y: Array) -> float:

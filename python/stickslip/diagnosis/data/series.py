@@ -7,7 +7,6 @@ import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,7 +31,7 @@ from stickslip.diagnosis.data.outliers import (
     alike_and_lost,
     far_from_all_others,
 )
-from stickslip.diagnosis.data.readings import GAP, scatter_about_a_curve, sifted
+from stickslip.diagnosis.data.readings import AVERAGED, GAP, find_readings, scatter_about_a_curve
 from stickslip.diagnosis.data.settings import Settings
 from stickslip.diagnosis.data.signal import Signal
 from stickslip.diagnosis.data.table import (
@@ -42,9 +41,6 @@ from stickslip.diagnosis.data.table import (
     without_gaps,
 )
 from stickslip.errors import ScenarioError
-
-if TYPE_CHECKING:
-    pass
 
 STRETCHES = 12
 """Stretches into which each record is cut, and parts of all readings, to be held out in turn.
@@ -140,7 +136,7 @@ class Series(Table):
         sound = np.flatnonzero(~gap)
         acted = [values[sound] for values in acting.values()]
         if LOST_SENSOR not in {note.code for note in self.own_notes}:
-            found = sifted(self.at, times[sound], readings[sound], unit, acted)
+            found = find_readings(self.at, times[sound], readings[sound], unit, acted)
             readings[sound], self.own_notes = found.y, (*self.own_notes, *found.notes)
             gap[sound[~found.kept]] = True
             self.window = range(1 - found.averaged, 1)
@@ -226,8 +222,18 @@ class Series(Table):
     def windows(self) -> list[Series]:
         """The same where a mean of rows is of the last, of those about a reading, or of errors."""
         count = len(self.window)
-        each = range(1 - count, 1), range(-((count - 1) // 2), count // 2 + 1), range(1)
-        return [self.having(window=window) for window in each] if count > 1 else [self]
+        each = {
+            "each reading is the mean of the last {} rows": range(1 - count, 1),
+            "each reading is the mean of {} rows about it":
+                range(-((count - 1) // 2), count // 2 + 1),
+            "errors of {} rows in a row are alike": range(1),
+        }  # fmt: skip
+        made = []
+        for text, window in each.items() if count > 1 else ():
+            note = Note(AVERAGED, f"{self.at}{text.format(count)}: one of {count} counts.", count)
+            others = [each for each in self.own_notes if each.code != AVERAGED]
+            made.append(self.having(window=window, own_notes=(*others, note)))
+        return made or [self]
 
     def pieces(self) -> list[Series]:
         """Parts between gaps in which an input changed, as nothing says when it did."""
@@ -280,7 +286,9 @@ def _before_events(at: str, t: Array, y: Array) -> tuple[Array, Indices]:
     These have one time and one reading; the first one's inputs act until then.
     """
     late = np.flatnonzero(np.diff(t) <= 0.0)
-    for k in late[(t[late + 1] < t[late]) | (y[late + 1] != y[late])][:1].tolist():
+    differs = np.abs(y[late + 1] - y[late]) > 0.0  # a gap does not
+    again = np.append(False, np.diff(late) == 1)
+    for k in late[(t[late + 1] < t[late]) | differs | again][:1].tolist():
         same = ", or the same reading at an event" if t[k + 1] == t[k] else ""
         refuse(f"{at}t: row {k + 1}", float(t[k + 1]), f"a time after {float(t[k])!r}{same}")
     before = t.copy()

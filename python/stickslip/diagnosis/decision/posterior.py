@@ -7,7 +7,6 @@ import math
 from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
 from typing import TypeVar
 
 import numpy as np
@@ -121,13 +120,9 @@ def _left(models: Models, names: frozenset[str]) -> float:
 
 def as_likely(models: Models, fit: Fit) -> list[Fit]:
     """Models with one other cause that fit nearly as well: 19:1 by likelihood tells them apart."""
-    best: dict[frozenset[str], Fit] = {}
-    for one in models.best.values():
-        if one.names == fit.names or one.swaps(fit):
-            best[one.names] = max(best.get(one.names, one), one, key=partial(likelihood, models))
-    least = likelihood(models, best[fit.names]) - 0.5 * EXCHANGE
-    return [one for one in best.values() if one.names != fit.names
-            and likelihood(models, one) > least]  # fmt: skip
+    least = likelihood(models, fit) - 0.5 * EXCHANGE
+    return [one for one in models.leaders(form=fit.form)
+            if one.swaps(fit) and likelihood(models, one) > least]  # fmt: skip
 
 
 def likelihood(models: Models, fit: Fit) -> float:

@@ -122,8 +122,8 @@ def decide(models: Models, test: MisfitTest) -> Verdict:
         return _beside_unlisted(verdict, models, sorted({*sure} - rivals), min(rivals & {*sure}))
     most = next(fit for fit in chance.fits if fit.names & set(sure))
     claim = _with_more(verdict, models, chance, most, sure)
-    alike = as_likely(models, claim.fit) if claim.fit and claim.claims else []
-    return _set(verdict, models, chance, (), (claim.fit, *alike)) if alike else claim
+    alike = as_likely(models, claim.fit) if claim.claims and claim.fit else []
+    return _set(verdict, models, chance, (), (claim.fit, *alike)) if alike and claim.fit else claim
 
 
 def _beside_unlisted(

@@ -60,9 +60,7 @@ def unlisted(
     return [replace(cause, odds=1.0 / len(causes), listed=False) for cause in causes]
 
 
-def _instruments(
-    record: Series, name: str | None, listed: Collection[str]
-) -> list[Cause]:
+def _instruments(record: Series, name: str | None, listed: Collection[str]) -> list[Cause]:
     """Delays, lags and scales that are not listed."""
     step, made = record.step, list[Cause]()
     if name is not None and f"late {name}" not in listed:
