@@ -150,7 +150,9 @@ def test_every_public_name_is_there_or_names_its_extra(tmp_path):
         **dict.fromkeys(
             ["propose_experiments", "diagnose_model", "instruments", "models"], "scipy"
         ),
-        **dict.fromkeys(["Table", "diagnose_change", "events", "read_measurement"], "scipy"),
+        **dict.fromkeys(
+            ["Table", "diagnose_change", "events", "read_measurement", "velocity_of_track"], "scipy"
+        ),
         **dict.fromkeys(["Optimum", "optimise"], "scipy"),
         "plot": "matplotlib",
     }

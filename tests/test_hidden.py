@@ -75,7 +75,7 @@ AXIS = {"less": ["asymmetry", "scale", "quadratic", "saturation", "gain_asymmetr
 SWING = {"less": ["scale", "slow sensor", "zero", "coulomb"], "step": 0.12, "count": 40}
 RINGING = {"less": ["scale", "quadratic_stiffness", "zero", "late force", "slow sensor"],
            "u": lambda t: 4.0 * smooth(t)}  # fmt: skip
-RESONANT = {"less": [*RINGING["less"], "cubic_stiffness"], "noise": 0.03,
+RESONANT = {"less": [*RINGING["less"], "cubic_stiffness"], "noise": 0.07,
             "u": lambda t: 2.0 * np.sin(6.3 * t)}  # fmt: skip
 HEATER = {"u": stairs, "step": 10.0, "start": 293.0}
 # Cause, its size, what may be as well, and how it was measured. Dry friction of a joint that turns
@@ -93,7 +93,7 @@ MACHINES = {
     ("oscillator", "twin"): ("quadratic", 1.0, {"cubic_damping"}, RESONANT),
     ("thermal", "hidden"): ("loss_growth", 0.02, set(), HEATER),
     ("thermal", "twin"): ("late power", 8.0, {"heater_capacity"},
-                          HEATER | {"less": ["zero", "loss_growth"], "noise": 0.06}),
+                          HEATER | {"less": ["zero", "loss_growth"], "noise": 0.12}),
     ("joint", "clean"): ("", 0.0, set(), JOINT),
     ("axis", "clean"): ("", 0.0, set(), AXIS),
     ("pendulum", "clean"): ("", 0.0, set(), SWING | {"start": 0.9}),
@@ -200,7 +200,7 @@ WALKERS = {
     (angles, "hidden"): ("angle_offset", set(), 0),
     (angles, "twin"): ("angle_offset", {"misalignment"}, 8),
     (fields, "hidden"): ("ambient_field", set(), (0.1385, 1)),
-    (fields, "twin"): ("coil.side", {"field_gain"}, (0.1415, 2)),
+    (fields, "twin"): ("coil.side", {"field_gain"}, (0.1405, 2)),
     (film, "hidden"): ("misalignment", set(), None),
     (film, "twin"): ("surface_tilt", {"friction_anisotropy"}, None),
     (velocities, "clean"): ("", set(), FLAT),

@@ -24,6 +24,7 @@ def predictions(problem, changes):
     inputs = {name: u[np.arange(len(t)) // DENSE] for name, u in problem.inputs.items()}
     dense = problem._replace(t=t, y=np.interp(t, problem.t, problem.y), inputs=inputs)
     model, log = question(dense)
+    log = log.whole or log  # whose rows between are lines
     posed = bare_problem(log, model, *model.terms(log))
     true = {each.name: each.middle for each in posed.parameters} | problem.constants
     values = [[(true | change)[name] for name in posed.names] for change in changes]

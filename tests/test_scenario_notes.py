@@ -246,3 +246,49 @@ def test_scenarios_of_the_examples_have_usual_values():
     assert scenarios
     for scenario in scenarios:
         assert not [note for note in scenario_notes(scenario) if note.code == "unusual"]
+
+
+T = np.linspace(0.0, 1e-3, 21)
+W = 2e3 * np.pi
+CLOSED = {
+    "sine": 40.0 * np.sin(W * T),
+    "cosine": 40.0 * np.cos(W * T),
+    "two harmonics": np.sin(W * T + 0.4) + 0.5 * np.sin(2.0 * W * T),
+    "triangle": np.abs(np.mod(4e3 * T + 0.7, 4.0) - 2.0) - 1.0,
+}
+WHOLE = {
+    "sawtooth": np.linspace(-1.0, 1.0, 21),
+    "rectangle": np.where(T < 0.5e-3, 1.0, -1.0),
+    "steps": np.array([0.0, 0.0, 1.0, 1.0, 1.0, -2.0, -2.0, 0.5, 0.5, 0.5, 0.2] + [0.0] * 10),
+    "read back": 40.0 * np.sin(W * T) + 0.3 * np.random.default_rng(1).standard_normal(21),
+    "short": np.array([1.0, -1.0]),
+}
+
+
+def ends_told(t, values):
+    """Whether the end of the period is told to be missing, of a shake and of a mass inside."""
+    shaken = {"shake.accelerations": Accelerations(np.c_[t, values, 0.1 * values])}
+    driven = {"inner.mass": 1e-9, "inner.stiffness": 0.01, "inner.forces": Forces(np.c_[t, values])}
+    return [
+        [note.value for note in scenario_notes(Scenario().replace(each))
+         if note.code == "period-end"]
+        for each in (shaken, driven)
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", CLOSED)
+@pytest.mark.parametrize("step", [1, 2])
+def test_a_period_without_its_end_is_told_and_one_with_it_not(kind, step):
+    t, values = T[::step], CLOSED[kind][::step]
+    assert ends_told(t, values) == [[], []]
+    assert ends_told(t[:-1], values[:-1]) == [[pytest.approx(1e-3)], [pytest.approx(1e-3)]]
+
+
+@pytest.mark.parametrize("kind", WHOLE)
+def test_a_period_that_jumps_at_its_end_is_whole(kind):
+    assert ends_told(T[: len(WHOLE[kind])], WHOLE[kind]) == [[], []]
+
+
+def test_a_period_of_uneven_steps_is_whole():
+    t = 1e-3 * np.linspace(0.0, 1.0, 20) ** 1.5
+    assert ends_told(t, np.sin(0.95 * W * t)) == [[], []]

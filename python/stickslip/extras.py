@@ -25,7 +25,7 @@ EXTRAS = {
 _DIAGNOSIS = (
     *("Cause", "Diagnosis", "Measurement", "Parameter", "Table", "diagnose", "propose_experiments"),
     *("Series", "diagnose_model", "events", "free_law", "instruments", "models"),
-    *("diagnose_change", "read", "read_measurement"),
+    *("diagnose_change", "read", "read_measurement", "velocity_of_track"),
 )
 _NEEDED = {
     "Optimum": "optimise",

@@ -98,7 +98,7 @@ def test_a_late_input_of_an_own_model_is_a_line_which_is_the_mean_of_a_held_one(
     cause = instruments.delay(size=0.01, input="u", name="late")
     p = {"late.time": np.array([[0.0031]]), "late.before": np.array([[0.0]])}
     seen = ForwardModel(lambda table, p: table["u"], None, (), (cause,))
-    made = seen(Series(T, u, {"u": u}, sd=1.0), list(p), np.hstack(list(p.values())))
+    made = seen(Series(T, T, {"u": u}, sd=1.0), list(p), np.hstack(list(p.values())))
     mean = 0.31 * u[:-1] + 0.69 * u[1:]
     assert made[0, 1:] == pytest.approx(mean, abs=1e-12)
 

@@ -11,7 +11,6 @@ import click
 
 from stickslip import models
 from stickslip._util.columns import Source
-from stickslip._util.note import Note
 from stickslip._util.units import Units
 from stickslip.cli import BAD_INPUT
 from stickslip.cli.log_models import format_recipe, load_model
@@ -48,7 +47,7 @@ def command(
 ) -> None:
     if write is not None and (model is None or write.suffix != ".toml"):
         raise click.UsageError("--write: allowed is the name of a .toml, with --model")
-    source, made, notes = Source(log), None, tuple[Note, ...]()
+    source, made, notes = Source(log), None, list[Any]()
     lacks = [f"--model NAME, such as {', '.join(KINDS)}"]
     if model is not None:
         terms = KINDS[model].every.values() if model in KINDS else ()
@@ -56,7 +55,7 @@ def command(
                   and term.name not in {*set, *KINDS[model].inputs}]  # fmt: skip
         lacks = [f"--set {each.name}=VALUE,ERROR  ({each.meaning}, {each.unit})" for each in absent]
         made = load_model(model, set | {term.name: 1.0 for term in absent}, [source])
-        notes = read_or_explain(source, made, units, lacks).own_notes
+        notes = read_or_explain(source, made, units, lacks).notes
     _explain(source, made, units, lacks)
     for note in notes:
         say(f"note: {note}")
@@ -69,8 +68,7 @@ def command(
 def read_or_explain(source: Source, model: Any, units: Units, lacks: Sequence[str] = ()) -> Series:
     """Return the log of a model, or print why it is refused and how it is understood, and exit."""
     try:
-        log = models.read_log(source, model, units)
-        model.terms(log)
+        model.terms(log := models.read_log(source, model, units))
         return log
     except ScenarioError as error:
         say(f"stickslip: {error}", err=True)

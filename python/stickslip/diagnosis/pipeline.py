@@ -62,7 +62,7 @@ def run(
             shapes = problem.unlisted(problem, models.null.x)
             wider = problem.wider(problem, shapes)
             models = models.widened(wider, wider.causes)
-            search(models, [], shapes, say)
+            search(models, [], wider.causes[-len(shapes) :], say)
         models = with_forms(models)
     say(0.9, "deciding")
     if models.null.cost < null.cost - _BETTER:

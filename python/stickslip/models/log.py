@@ -368,7 +368,7 @@ def read_log(path: str | PathLike[str] | Any, model: object, units: Units = None
     table, t = _whole_rows(table, t, wanted, notes)
     values = _readings(table, wanted, notes)
     notes += told
-    _check_clock(table, t)
+    _check_clock(table, t, values[wanted.reads])
     inputs, shows = _with_one_zero(values, table.known, wanted, notes)
     name = source.path.stem if source.is_file else "log"
     log = Series(t, values[wanted.reads], inputs, values.get(_ERROR), name, unit=shows)
@@ -448,13 +448,15 @@ def _whole_rows(
     return table, t
 
 
-def _check_clock(table: SourceTable, t: Array) -> None:
+def _check_clock(table: SourceTable, t: Array, y: Array) -> None:
     steps = np.diff(t)
     usual = float(np.median(steps)) if len(steps) else 0.0
-    for k in np.flatnonzero(~(steps >= 0.0) | (steps > JUMP * abs(usual)))[:1].tolist():
+    event = (steps == 0.0) & ~(np.abs(np.diff(y)) > 0.0)  # two rows of one reading
+    for k in np.flatnonzero(~event & (~(steps > 0.0) | (steps > JUMP * abs(usual))))[:1].tolist():
         at = f"{table.path}: {table.word} {table.lines[k + 1]}, column t = {t[k + 1]:.12g} s"
         if not steps[k] > 0.0:
-            raise ScenarioError(f"{at}: allowed is a later time: sort the rows, or {_CUT}")
+            remedy = f"sort the rows, or {_CUT}" if steps[k] else "or one reading; give more digits"
+            raise ScenarioError(f"{at}: allowed is a time after {t[k]:.12g} s: {remedy}")
         raise ScenarioError(
             f"{at}: the clock jumps by {steps[k]:.6g} s, and allowed are {JUMP:g} of its steps of "
             f"{usual:.3g} s: {_CUT}"

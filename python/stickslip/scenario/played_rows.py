@@ -54,6 +54,18 @@ class PlayedRows:
         """Its frequency: a name, usual magnitudes, and the value."""
         return [(f"1 / period of {type(self).__name__}", USUAL["shake.frequency"], 1 / self.period)]
 
+    @property
+    def missing_end(self) -> float | None:
+        """The period with one more step, s, if that would join the last row to the first."""
+        step = np.diff(self.rows[:, 0])
+        if len(step) < 4 or np.ptp(step) > 1e-3 * step[0]:
+            return None  # of fewer, the neighbours of both ends are the same
+        first, second, last_but_one, last = self.rows[[0, 1, -2, -1], 1:]
+        jump = first - last
+        rough = np.linalg.norm(jump - 0.5 * (second - first + last - last_but_one))
+        joins = 0.0 < np.linalg.norm(jump) > 2.0 * rough
+        return self.period + float(step[0]) if joins else None
+
     def to_core(self) -> Array:
         """The core's form of it."""
         return self.rows

@@ -204,6 +204,11 @@ class Scenario:
         """Priors of the uncertain parameters; None without any."""
         return self._uncertain
 
+    @staticmethod
+    def from_toml(path: str | PathLike[str]) -> Scenario:
+        """Read a scenario file; the same as `load`."""
+        return load(path)
+
     def to_toml(self, path: str | PathLike[str] | None = None) -> str:
         """The scenario as the text of a TOML file, with every key.
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip import _core
 from stickslip._util.note import Note
+from stickslip.scenario.held import HELD
 from stickslip.scenario.keys import known_keys
 from stickslip.scenario.matter import left_out
 from stickslip.simulation.map_background import map_notes
@@ -31,7 +32,7 @@ CODES = (
     "field-change", "velocity-grows", "turning", "start-up", "window-short", "pulses-short",
     "fluid", "inner",
     # Other values that are probably mistakes.
-    "map-background", "map-turned", "unusual", "prior",
+    "map-background", "map-turned", "period-end", "unusual", "prior",
     "capacitor", "voltage", "density", "moment", "steep-surface", "adhesion",
     "tangential-restitution", "tolerance",
     # Facts, without a fault.
@@ -73,10 +74,18 @@ def _unusual(scenario: Scenario, others: Iterable[Note]) -> Iterator[Note]:
 
 
 def _of_files(scenario: Scenario) -> Iterator[Note]:
-    """Notes on the measured map of the coils, which the core does not know as a file."""
+    """Notes on what the core does not know: a measured map, and tables of a period."""
     if scenario.coil.map is not None:
         yield from map_notes(scenario.coil.map)
         yield Note("map", f"the field of the coils is that of {scenario.coil.map}")
+    for key, held in scenario.held.items():
+        if end := getattr(held, "missing_end", None):
+            text = (
+                f"{HELD[key].file}: its last row is not the first again, and one more step would "
+                f"join them, so that the period of {held.period:.6g} s, its last time, may be a "
+                f"step too short; add the first row again at t = {end:.6g} s"
+            )
+            yield Note("period-end", text, end)
 
 
 def peak_voltages(scenario: Scenario) -> dict[str, float]:

@@ -354,6 +354,25 @@ class Run(Recorded):
         table.attrs["units"] = units
         return table
 
+    def to_netcdf(self, path: str | PathLike[str]) -> None:
+        """Write `to_xarray` to a netCDF file, whole or not at all; errors are those of `save`."""
+        write_run(path, self.scenario, self.attributes(), self._arrays())
+
+    def to_csv(self, path: str | PathLike[str]) -> None:
+        """Write the record to a CSV file, as `save` does."""
+        titles: list[str] = []
+        columns: list[list[Any]] = []
+        for name, values in self._arrays().items():
+            titles += headings(name)
+            if name in WORDS:
+                columns.append([WORDS[name][code] for code in values])
+            else:
+                parts = values.T if values.ndim == 2 else [values]
+                columns += [
+                    np.where(np.isnan(part), "", part.astype(str)).tolist() for part in parts
+                ]
+        write_rows(path, [titles], zip(*columns, strict=True))
+
     def save(self, path: str | PathLike[str]) -> None:
         """Write the record in the format that the suffix names, whole or not at all.
 
@@ -375,21 +394,8 @@ class Run(Recorded):
             If the file cannot be written; an older file of that name is then untouched.
         """
         check_suffix(path, SUFFIXES)
-        if Path(path).suffix.lower() != ".csv":
-            write_run(path, self.scenario, self.attributes(), self._arrays())
-            return
-        titles: list[str] = []
-        columns: list[list[Any]] = []
-        for name, values in self._arrays().items():
-            titles += headings(name)
-            if name in WORDS:
-                columns.append([WORDS[name][code] for code in values])
-            else:
-                parts = values.T if values.ndim == 2 else [values]
-                columns += [
-                    np.where(np.isnan(part), "", part.astype(str)).tolist() for part in parts
-                ]
-        write_rows(path, [titles], zip(*columns, strict=True))
+        write = self.to_csv if Path(path).suffix.lower() == ".csv" else self.to_netcdf
+        write(path)
 
 
 def open_run(path: str | PathLike[str]) -> Run:

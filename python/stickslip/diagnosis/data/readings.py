@@ -165,7 +165,7 @@ def _rounding(y: Array) -> float:
 def _averaged_rows(t: Array, y: Array, inputs: Iterable[Array]) -> int:
     """Find how many rows a logger has averaged for each, by the zeros of its spectrum; 1 if none.
 
-    An input that is held for as many rows has them too: what it shows does not count.
+    An input that is held for as many rows, or its changes, may have them too: that does not count.
     """
     count, steps = len(y) - 1, np.diff(t)
     least = _CLEAR * meter_step(y)
@@ -173,8 +173,9 @@ def _averaged_rows(t: Array, y: Array, inputs: Iterable[Array]) -> int:
         return 1
     gain = {1: _DEEP} | _spectral_zeros(np.diff(y))
     for row in inputs:
-        for width, held in _spectral_zeros(row[1:]).items() if np.ptp(row) else ():
-            gain[width] -= max(held, 0.0)
+        held, changed = map(_spectral_zeros, (row[1:], np.diff(row)))
+        for width in held if np.ptp(row) else ():
+            gain[width] -= max(held[width], changed[width], 0.0)
     return max(gain, key=lambda width: gain[width])
 
 

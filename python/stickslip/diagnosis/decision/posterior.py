@@ -119,10 +119,13 @@ def _left(models: Models, names: frozenset[str]) -> float:
 
 
 def as_likely(models: Models, fit: Fit) -> list[Fit]:
-    """Models with one other cause that fit nearly as well: 19:1 by likelihood tells them apart."""
+    """Models with one other cause that fit nearly as well: 19:1 by likelihood tells them apart.
+
+    Those with more free parameters fit better in any case, and are judged by their evidence.
+    """
     least = likelihood(models, fit) - 0.5 * EXCHANGE
-    return [one for one in models.leaders(form=fit.form)
-            if one.swaps(fit) and likelihood(models, one) > least]  # fmt: skip
+    return [one for one in models.leaders(form=fit.form) if one.swaps(fit)
+            and len(one.free) <= len(fit.free) and likelihood(models, one) > least]  # fmt: skip
 
 
 def likelihood(models: Models, fit: Fit) -> float:
