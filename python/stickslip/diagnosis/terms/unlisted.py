@@ -60,8 +60,8 @@ def unlisted(
             x, size = states["x"] - states["x"].mean(), _SLOW * float(np.max(np.abs(v)))
             acting |= {"sign v": np.tanh(v / (size or 1.0)), "x": x, "x^2": x**2, "x^3": x**3,
                        "sin x": np.sin(states["x"])}  # fmt: skip
-        elif "zero" in listed:
-            gone.add("1")  # a constant power is a wrong zero of the thermometer
+        if "zero" in listed and ("x" not in states or name == "force"):
+            gone.add("1")  # against a loss or a spring, a constant push is a wrong zero
         made += [_shaped(name, u, *each) for each in acting.items() if each[0] not in gone]
     made += _instruments(record.step, name, listed)
     return [replace(cause, odds=1.0 / len(made), listed=False) for cause in made]
