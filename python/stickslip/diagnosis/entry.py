@@ -113,7 +113,7 @@ def _unlisted(predict: Any, problem: Problem, x: Array) -> list[Cause]:
     if "v" not in states:  # of a heater
         ambient = base.inputs.get("ambient", predict.middles.get("ambient", base.y[0]))
         states = {"v": states["x"] - ambient}
-    name = next((each for each in (*predict.kind.drives, *predict.kind.inputs)
+    name = next((each for each in predict.kind.inputs
                  if each in base.inputs), None)  # fmt: skip
     return unlisted(base, states, name, [cause.name for cause in problem.causes])
 
