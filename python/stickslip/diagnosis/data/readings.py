@@ -50,16 +50,9 @@ Chosen: starts anew cost a parameter or two."""
 
 @dataclass(frozen=True)
 class Readings:
-    """Rows that are readings.
+    """Rows that are readings: `y`, unwrapped, of which some are `kept`, all of shape (n,).
 
-    Attributes
-    ----------
-    y : ndarray, shape (n,)
-        Readings, unwrapped.
-    kept : ndarray of bool, shape (n,)
-    averaged : int
-        How many rows the logger has averaged for each; 1 where it has not.
-    notes : tuple of Note
+    The logger has averaged so many rows for each, 1 where it has not.
     """
 
     y: Array
@@ -69,17 +62,7 @@ class Readings:
 
 
 def find_readings(at: str, t: Array, y: Array, unit: str, inputs: Iterable[Array]) -> Readings:
-    """Find the rows of a record that are readings.
-
-    Parameters
-    ----------
-    at : str
-        The start of notes.
-    t, y : ndarray, shape (n,)
-        Times, s, and what was read, in `unit`.
-    unit : str
-    inputs : iterable of ndarray, shape (n,)
-    """
+    """Find the rows of a record that are readings; notes begin with `at`. Arrays are (n,)."""
     y, notes = unwrap(at, y, unit)
     kept = np.ones(len(y), dtype=bool)
     for made, text in (

@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
+import numpy as np
+
 from stickslip._util.note import Note
 from stickslip._util.text import OneLine
 from stickslip.diagnosis.decision.gain import Gain, gain_of, measured
@@ -22,7 +24,7 @@ from stickslip.diagnosis.decision.posterior import (
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.search import Models
 from stickslip.diagnosis.terms.amounts import p_text
-from stickslip.diagnosis.terms.cause import CauseNote
+from stickslip.diagnosis.terms.cause import Cause, CauseNote
 
 Kind = Literal["named", "dominant", "pair", "ambiguous", "unexplained", "none", "data-problem"]
 
@@ -201,12 +203,27 @@ def _claimed(verdict: Verdict, models: Models, fit: Fit, reasons: tuple[Note, ..
             notes = (*reasons, *against)
             return _with(verdict, "unexplained", (), None, notes, models, beside, gain)
     names = tuple(sorted(fit.names))
+    if len(names) > 1 and (
+        untold := [each.name for each in fit.causes if not _told(models, fit, each)]
+    ):
+        text = "A size of {} is not told from none beside the other."
+        notes = (*reasons, *(CauseNote("size-not-told", text, [name]) for name in untold))
+        return _with(verdict, "unexplained", (), None, notes, models, beside, gain)
     kind: Kind = "pair" if len(names) > 1 else "named" if explains else "dominant"
     if plain and explains:
         # Errors that are larger, or alike along a run, leave more of the sizes open.
         likelier = fit if discrepancy(fit) > 0.0 else plain
         return _with(verdict, kind, names, likelier, reasons, models, plain, gain)
     return _with(verdict, kind, names, beside, reasons, models, beside, gain)
+
+
+def _told(models: Models, fit: Fit, cause: Cause) -> bool:
+    """Whether an amplitude of a cause, or its constant, is beyond its 95 % interval about none."""
+    columns = [models.problem.at(cause)] if cause.is_constant else [
+        k for k in models.problem.columns([cause]).tolist()
+        if models.problem.parameters[k].is_amplitude]  # fmt: skip
+    sd = dict(zip(fit.free.tolist(), np.sqrt(np.diag(fit.covariance)), strict=True))
+    return any(abs(fit.x[k]) > 1.96 * sd.get(k, 0.0) for k in columns)
 
 
 def _takes_little(fit: Fit, part: float, gain: Gain | None) -> list[Note]:
