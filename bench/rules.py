@@ -71,9 +71,6 @@ def of_search() -> dict[str, list[Patch]]:
     """The rules of search and noise, each off."""
     none: Callable[..., None] = lambda *_, **__: None  # noqa: E731
     values = {
-        "second scan": {"doubtful": 0.0}, "fits from rivals' constants": {"rivals": 0},
-        "small amplitudes": {"small": ()}, "weaker singles beside": {"comfortable": math.inf},
-        "end by chi-square": {"explains": 2.0}, "rounds end far away": {"pays": 2.0},
         "other forms of few": {"other_forms": 99},
         "other forms of what gains": {"refitted": 99.0},
         "wide constants": {"widened": 1.0},
@@ -85,7 +82,6 @@ def of_search() -> dict[str, list[Patch]]:
         for name, each in values.items()
     }
     rules |= {
-        "nested singles": [(search, "_nest_singles", none)],
         "exact fits again": [(search, "_fit_exact_again", none)],
         "what leaves too little": [(search, "_leaves_too_little", lambda *_: False)],
         "promise of a neighbour": [(search, "_may_improve", lambda *_: True)],

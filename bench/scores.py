@@ -21,6 +21,7 @@ FEW = 3
 faults isolated to one, two or three units."""
 OUTCOMES = ("right name", "right set", "large set", "silent", "wrong set", "wrong name",
             "rightly silent")  # fmt: skip
+RIVAL = "unlisted "  # begins the names of effects that nobody listed: one member of a set
 LOW = 0.05  # p-value of a test that finds something
 NEAR = 2.0  # standard errors between sizes that two forms of one log give
 
@@ -48,13 +49,17 @@ class Answer(NamedTuple):
         if self.also is not None:
             causes -= set(self.also)
             truth = truth & causes or truth
+        rivals = {name for name in causes if name.startswith(RIVAL)}
+        causes -= rivals
+        if rivals and not truth:
+            return "rightly silent"
         if not causes or not (self.claims or self.said == "ambiguous"):
             return "silent" if truth else "rightly silent"
         if self.claims:
             return "right name" if truth and causes == truth else "wrong name"
         if not truth or not truth <= causes:
             return "wrong set"
-        return "right set" if len(self.causes) <= FEW else "large set"
+        return "right set" if len(causes) + bool(rivals) <= FEW else "large set"
 
     @property
     def credit(self) -> float:

@@ -38,7 +38,7 @@ from stickslip._util.files import read_bytes, replacing
 from stickslip._util.messages import refuse, shown
 from stickslip._util.note import Note
 from stickslip._util.recipes import VALID, Match, Recipe
-from stickslip._util.text import counted, plain
+from stickslip._util.text import counted, plain, shortened
 from stickslip._util.units import split_unit
 from stickslip._util.workbook import sheet_text
 from stickslip.errors import ScenarioError, prefixed
@@ -535,3 +535,38 @@ def write_frame(frame: pd.DataFrame, path: str | PathLike[str]) -> None:
     named = {name: f"{name} ({unit})" for name, unit in units.items() if unit not in ("", "-", "1")}
     with replacing(path) as temporary:
         frame.rename(columns=named).to_csv(temporary, index=False)
+
+
+def describe_table(table: SourceTable, means: Mapping[str, str]) -> list[str]:
+    """Describe a table in lines: its rows, and each column with its unit, gaps and range.
+
+    `means` says what known columns are, by name.
+    """
+    first, last = table.lines[0], table.lines[-1]
+    lines = [f"{table.name}: {counted(len(table), 'row')}, from {table.word} {first} to {last}"]
+    for k, wrong in [*table.ragged.items()][:1]:
+        count = counted(len(table.ragged), "row")
+        lines.append(f"{count} cannot be read, the first {table.word} {table.lines[k]}: {wrong}")
+    rows: list[tuple[str, ...]] = [("column", "is", "unit", "gaps", "first", "range")]
+    rows += [_row(column, means) for column in table.columns.values()]
+    widths = [max(map(len, cells)) for cells in zip(*rows, strict=True)]
+    return lines + ["  " + "  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
+
+
+def _row(column: Column, means: Mapping[str, str]) -> tuple[str, ...]:
+    what, values = column.what, column.numbers * column.what.per
+    is_used = means.get(what.name, what.name) if what.known else "not used"
+    cells = [*map(number, column.odd.values() if what.known else column.texts)]
+    wrong = 0 if what.clock or not what.known else cells.count(None)
+    gaps = sum(each is not None and math.isnan(each) for each in cells)
+    known = values[np.isfinite(values)]
+    unit = what.unit or split_unit(what.heading)[1] or ("" if len(known) else "date" * what.clock)
+    texts = (
+        what.heading,
+        "valid rows" if plain(what.name) in VALID else is_used,
+        unit,
+        f"{gaps}, {wrong} no number" if wrong else str(gaps),
+        ", ".join(column.cell(k) for k in range(min(3, len(values)))),
+        f"{known.min():.5g} to {known.max():.5g}" if len(known) else "",
+    )
+    return tuple(shortened(text) for text in texts)

@@ -127,7 +127,7 @@ def per_si(unit: str, si: str) -> float:
         if unit in ("-", "1", ""):
             return 1.0
         si = "1"
-    known = _known(si)
+    known = units_of(si)
     if unit in known:
         return known[unit]
     given, of = _size(unit), _size(si)
@@ -230,7 +230,7 @@ def zero_of(unit: str | None) -> float:
 
 
 @functools.lru_cache(64)
-def _known(si: str) -> dict[str, float]:
+def units_of(si: str) -> dict[str, float]:
     """Units of the quantity of an SI unit that messages name, with how many are one of it."""
     prefixed = {} if si == "kg" else {f"{sign}{si}": _PREFIXES[sign] for sign in "kmuµμn"}
     size, sizes = _size(si), {name: _size(name) for name in _LISTED}

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from stickslip._util.arrays import Array
 from stickslip._util.messages import check_whole
 from stickslip._util.note import Note
 from stickslip.diagnosis.data.readings import CLIPPED
@@ -30,6 +31,7 @@ from stickslip.diagnosis.pipeline import first_look, moved_constants, run
 from stickslip.diagnosis.result import Diagnosis
 from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.parameter import Parameter
+from stickslip.diagnosis.terms.unlisted import unlisted
 from stickslip.errors import ScenarioError
 
 Terms = tuple[Sequence[Parameter], Sequence[Cause]]
@@ -90,8 +92,33 @@ def diagnose_model(
         terms = stated_terms(predict, uncertain, causes, data)
         problem, fault = prepared(predict, data, terms, int(seed))
         problem = problem if fault else with_scatter(problem, int(seed))
+        problem = replace(problem, unlisted=partial(_unlisted, predict))
         notes = [*overflows(problem), *without_effect(problem)]
         return diagnosed(problem, int(seed), progress, notes, fault=fault)
+
+
+def _unlisted(predict: Any, problem: Problem, x: Array) -> list[Cause]:
+    """Effects that nobody listed; a ready-made model has states at coordinates `x` of each record.
+    """
+    tables = [getattr(table, "whole", None) or table for table in problem.tables]
+    listed = [cause.name for cause in problem.causes]
+    if not hasattr(predict, "kind"):
+        return unlisted(tables, listed)
+    constants = [one.name.partition("[") for one in problem.constants]
+    values = problem.physical(x[None])[0]
+    states = []
+    for table in tables:
+        p = {name: np.array([[value]]) for (name, _, of), value in zip(constants, values)
+             if of in ("", f"{table.name}]")}
+        bare, mine = table.having(unit="-"), dict[str, Array]()
+        for reads, (state, _) in predict.kind.reads.items():
+            if state < min(len(predict.kind.states), 2):
+                mine["xv"[state]] = np.asarray(replace(predict, reads=reads)(bare, p)[0])
+        if "v" not in mine:  # of a heater
+            ambient = table.inputs.get("ambient", predict.middles.get("ambient", table.y[0]))
+            mine = {"v": mine["x"] - ambient}
+        states.append(mine)
+    return unlisted(tables, listed, states, predict.kind.inputs)
 
 
 def in_pieces(

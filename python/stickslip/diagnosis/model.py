@@ -373,7 +373,8 @@ def _seen(table: Table, causes: Sequence[Cause], p: Mapping[str, Array]) -> Tabl
     def signal(name: str, held: bool) -> Signal:
         given = np.tile(table[name], (len(p[acting[name][0].parameters[0].name]), 1))
         made = Signal.of(table.t, given, held)
-        for cause in acting[name]:
+        # What reads values would sample a signal that is late, and lose when it switches.
+        for cause in sorted(acting[name], key=lambda cause: cause.acts is not None):
             made = cause.acted(made, {key: p[key] for key in cause.names}, table, given)
         return made
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,8 +18,10 @@ from stickslip.diagnosis.fitting.law_forms import with_forms
 from stickslip.diagnosis.fitting.models import Fit, minimise, sharpened
 from stickslip.diagnosis.fitting.problem import FAR_OFF, Problem
 from stickslip.diagnosis.fitting.responses import responses
-from stickslip.diagnosis.fitting.search import Models, Progress, screened, search
+from stickslip.diagnosis.fitting.search import Models, Progress, Start, screened, search
 from stickslip.diagnosis.fitting.starts import recalibrated
+from stickslip.diagnosis.terms.cause import Cause
+from stickslip.diagnosis.terms.unlisted import at_scale
 
 # Draws about the recalibrated model that show its own noise, and their widths: a share of what the
 # data leave open, and at most so many standard deviations of the priors. Chosen: well within both.
@@ -57,6 +60,14 @@ def run(
                 wider = problem.wider(problem, laws)
                 models = models.widened(wider, wider.causes)
                 search(models, [], laws, say)
+        if problem.unlisted and problem.wider and models.reaches:
+            say(0.8, "effects that nobody listed")
+            shapes = problem.unlisted(problem, models.null.x)
+            wider = problem.wider(problem, shapes)
+            models = models.widened(wider, wider.causes)
+            models.add_fits([*_far_scales(wider, wider.causes[-len(shapes) :])])
+            search(models, [], wider.causes[-len(shapes) :], say)
+            models.without_twins()
         models = with_forms(models)
     say(0.9, "deciding")
     if models.null.cost < null.cost - _BETTER:
@@ -67,6 +78,22 @@ def run(
     verdict = Verdict("data-problem", (), None, (fault,)) if fault else decide(models, test)
     say(1.0, "done")
     return Findings(models, test, effects, verdict, seed)
+
+
+def _far_scales(problem: Problem, shapes: Sequence[Cause]) -> Iterator[Start]:
+    """Where scales begin that the stated constants ask for, as of a gear, or in another unit.
+
+    The recalibrated constants have taken such a factor, and no descent leads back.
+    """
+    stated = np.zeros(problem.size)
+    predicted = problem.y - problem.residuals(stated[None])[0]
+    design = np.column_stack([predicted, np.ones(len(predicted))])
+    factor = float(np.linalg.lstsq(design, problem.y)[0][0])
+    for cause in shapes if factor > 0.0 else ():
+        for name, coordinate in at_scale(cause, factor).items():
+            x = stated.copy()
+            x[problem.names.index(name)] = coordinate
+            yield Start("exact", (cause,), x)
 
 
 def first_look(problem: Problem, seed: int) -> float:

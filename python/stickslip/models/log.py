@@ -16,13 +16,13 @@ import numpy as np
 
 from stickslip._util.arrays import Array, to_si
 from stickslip._util.clocks import JUMP, times
-from stickslip._util.columns import Column, Source, SourceTable, limits
+from stickslip._util.columns import Column, Source, SourceTable, describe_table, limits
 from stickslip._util.messages import refuse, shown
 from stickslip._util.note import Note
 from stickslip._util.recipes import Entry, Match, Recipe, per_heading, refuse_twice
 from stickslip._util.text import counted, plain
 from stickslip._util.units import SI, Units, same_unit, split_unit, zero_of
-from stickslip.diagnosis.data.columns import Heading, describe_table
+from stickslip.diagnosis.data.columns import Heading
 from stickslip.diagnosis.data.readings import unwrap
 from stickslip.diagnosis.data.series import Series
 from stickslip.errors import ScenarioError

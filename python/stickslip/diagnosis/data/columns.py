@@ -1,17 +1,11 @@
-"""Columns of a log: what their headings say, and how they are understood, for people."""
+"""Headings of a log's columns: a name, and a unit."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
-import numpy as np
-
-from stickslip._util.cells import number
-from stickslip._util.columns import Column, SourceTable
-from stickslip._util.recipes import VALID
-from stickslip._util.text import counted, plain, shortened
+from stickslip._util.text import plain
 from stickslip._util.units import ended, is_of, is_unit, split_unit
 
 
@@ -61,38 +55,3 @@ class Heading(NamedTuple):
     def fits(self, units: Sequence[str]) -> bool:
         """Whether it states one of the units, or one of the same quantity."""
         return any(self.unit and is_of(self.unit, each) for each in units if each != "-")
-
-
-def describe_table(table: SourceTable, means: Mapping[str, str]) -> list[str]:
-    """Describe a table in lines: its rows, and each column with its unit, gaps and range.
-
-    `means` says what known columns are, by name.
-    """
-    first, last = table.lines[0], table.lines[-1]
-    lines = [f"{table.name}: {counted(len(table), 'row')}, from {table.word} {first} to {last}"]
-    for k, wrong in [*table.ragged.items()][:1]:
-        count = counted(len(table.ragged), "row")
-        lines.append(f"{count} cannot be read, the first {table.word} {table.lines[k]}: {wrong}")
-    rows: list[tuple[str, ...]] = [("column", "is", "unit", "gaps", "first", "range")]
-    rows += [_row(column, means) for column in table.columns.values()]
-    widths = [max(map(len, cells)) for cells in zip(*rows, strict=True)]
-    return lines + ["  " + "  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
-
-
-def _row(column: Column, means: Mapping[str, str]) -> tuple[str, ...]:
-    what, values = column.what, column.numbers * column.what.per
-    is_used = means.get(what.name, what.name) if what.known else "not used"
-    cells = [*map(number, column.odd.values() if what.known else column.texts)]
-    wrong = 0 if what.clock or not what.known else cells.count(None)
-    gaps = sum(each is not None and math.isnan(each) for each in cells)
-    known = values[np.isfinite(values)]
-    unit = what.unit or split_unit(what.heading)[1] or ("" if len(known) else "date" * what.clock)
-    texts = (
-        what.heading,
-        "valid rows" if plain(what.name) in VALID else is_used,
-        unit,
-        f"{gaps}, {wrong} no number" if wrong else str(gaps),
-        ", ".join(column.cell(k) for k in range(min(3, len(values)))),
-        f"{known.min():.5g} to {known.max():.5g}" if len(known) else "",
-    )
-    return tuple(shortened(text) for text in texts)

@@ -43,9 +43,7 @@ class Candidate(OneLine):
 
     @cached_property
     def share(self) -> float:
-        """Part of the model's error that the causes take: 1 where nothing is left, NaN where no fit
-        with a discrepancy tells it.
-        """
+        """Part of the squares that the causes take, NaN where without them little is left."""
         return share(self.models, self.fit) if self.fit.causes else 0.0
 
     @cached_property
@@ -61,10 +59,9 @@ class Candidate(OneLine):
         by ``sqrt(1 + left / taken)`` with the mean squares of what is left and what is taken. Along
         runs it may last, too: see `covariance_beside`.
         """
-        if not self.fit.causes or self.fit.form == "exact":
+        if not self.fit.causes or self.fit.form == "exact" or math.isnan(self.share):
             return 1.0
-        known = 0.0 if math.isnan(self.share) else self.share
-        return 1.0 / math.sqrt(min(max(known, _LEAST_SHARE), 1.0))
+        return 1.0 / math.sqrt(max(self.share, _LEAST_SHARE))
 
     @property
     def params(self) -> DataFrame:

@@ -13,7 +13,6 @@ import numpy as np
 from scipy.special import logsumexp
 
 from stickslip._util.text import OneLine
-from stickslip.diagnosis.decision.misfit_test import GOF_LEVEL, goodness_of_fit
 from stickslip.diagnosis.fitting.models import Fit
 from stickslip.diagnosis.fitting.search import Models
 
@@ -98,24 +97,16 @@ def discrepancy(fit: Fit) -> float:
 
 
 def share(models: Models, fit: Fit) -> float:
-    """Part of the model's error that a fit takes, 1 - D / D0, from 0 to 1.
+    """Part that a fit takes of the squares that the recalibrated model leaves, from 0 to 1.
 
-    D0 is of no cause, D of the causes of the fit, each with its best form other than ``exact``; D
-    is 0 where the errors as stated explain what is left. NaN where there is no such fit.
+    Both are of plain fits, beyond what the errors leave by themselves; NaN where without a cause
+    there is hardly more than these: less than three standard deviations of a chi-square.
     """
-    if fit.form == "exact" and goodness_of_fit(models.problem, fit) >= GOF_LEVEL:
-        return 1.0
-    whole = _left(models, frozenset())
-    left = _left(models, fit.names) if fit.form == "exact" else discrepancy(fit)
-    if math.isnan(left) or math.isnan(whole):
+    plain, null, n = models.get(fit.names) or fit, models.null, len(models.problem.y)
+    whole, left = (one.chi2 - (n - len(one.free)) for one in (null, plain))
+    if whole < 3.0 * math.sqrt(2.0 * n):
         return math.nan
-    return min(max(1.0 - left / whole, 0.0), 1.0) if whole > 0.0 else 0.0
-
-
-def _left(models: Models, names: frozenset[str]) -> float:
-    """The discrepancy of a set of causes by its best form other than ``exact``."""
-    fits = [fit for key, fit in models.best.items() if key[0] == names and key[1] != "exact"]
-    return discrepancy(max(fits, key=models.log_posterior)) if fits else math.nan
+    return min(max(1.0 - left / whole, 0.0), 1.0)
 
 
 def as_likely(models: Models, fit: Fit) -> list[Fit]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -42,6 +42,9 @@ been taken for it. Chosen on 180 logs of which it names 5 more, all rightly."""
 
 SECOND = 0.1
 """Part by which a further cause lowers the held-out error at least. Chosen with the prototype."""
+
+LOOKS = "looks-unlisted", "another-scale"
+"""Codes of notes on what nobody listed."""
 
 CALM = 0.5
 """Scatter, in the stated errors, below which these are said to be stated too large. Chosen."""
@@ -115,13 +118,40 @@ def decide(models: Models, test: MisfitTest) -> Verdict:
     verdict = Verdict("unexplained", probabilities=probabilities, members=members, leader=leader)
     if leader is None or not chance.has_cause:
         return _without_cause(verdict, models, test)
-    sure = chance.sure
+    sure, rivals = chance.sure, {cause.name for cause in models.offered if not cause.listed}
     if not sure:
         return _set(verdict, models, chance)
+    if rivals & {*sure}:
+        return _beside_unlisted(verdict, models, sorted({*sure} - rivals))
     most = next(fit for fit in chance.fits if fit.names & set(sure))
     claim = _with_more(verdict, models, chance, most, sure)
     alike = as_likely(models, claim.fit) if claim.claims and claim.fit else []
     return _set(verdict, models, chance, (), (claim.fit, *alike)) if alike and claim.fit else claim
+
+
+def _beside_unlisted(verdict: Verdict, models: Models, listed: Sequence[str]) -> Verdict:
+    """What is claimed beside an effect that nobody listed, which itself is only said."""
+    leader = verdict.leader
+    assert leader is not None
+    fits = [fit for fit in models.leaders() if fit.names == frozenset(listed)]
+    if listed and fits:
+        return _claimed(verdict, models, fits[0], _looks(models, leader))
+    gain = gain_of(models, leader)
+    return _with(verdict, "unexplained", (), None, _looks(models, leader), models, leader, gain)
+
+
+def _looks(models: Models, fit: Fit) -> tuple[Note, ...]:
+    """What is said of an effect that nobody listed in a model: what it looks like, or the scale."""
+    notes = list[Note]()
+    for cause in (cause for cause in fit.causes if not cause.listed):
+        if cause.told:
+            (column,) = models.problem.columns([cause])
+            value = float(models.problem.physical(fit.x[None])[0, column])
+            notes.append(Note(LOOKS[1], cause.told(value, "", math.nan), math.exp(value)))
+        else:
+            text = "It looks like {}."
+            notes.append(CauseNote(LOOKS[0], text, [cause.name]))
+    return tuple(notes)
 
 
 def _without_cause(verdict: Verdict, models: Models, test: MisfitTest) -> Verdict:
@@ -197,8 +227,7 @@ def _claimed(verdict: Verdict, models: Models, fit: Fit, reasons: tuple[Note, ..
     explains = plain and goodness_of_fit(problem, plain) >= GOF_LEVEL
     # Errors that were taken from the fit of all causes explain what it leaves by themselves.
     if not explains or any(errors.of_fit for errors in problem.errors):
-        part = share(models, beside) if beside.form != "exact" else 0.0
-        against = _takes_little(beside, part, gain)
+        against = _takes_little(beside, share(models, beside), gain)
         if against:
             notes = (*reasons, *against)
             return _with(verdict, "unexplained", (), None, notes, models, beside, gain)
@@ -232,8 +261,8 @@ def _takes_little(fit: Fit, part: float, gain: Gain | None) -> list[Note]:
     Causes that take nearly all of the model's error need only not predict worse.
     """
     notes: list[Note] = []
-    if not part >= DOMINANT:
-        part, asked = 0.0 if math.isnan(part) else part, 100.0 * DOMINANT
+    if part < DOMINANT:
+        asked = 100.0 * DOMINANT
         takes = f"{min(100.0 * part, asked - 1.0):.0f} %"
         text = f"{{}} takes {takes} of the model's error; a claim asks for {asked:.0f} %."
         notes.append(CauseNote("small-share", text, [fit.name], part))
@@ -261,8 +290,7 @@ def _set(
     first = next(member for member in members if member.causes)
     against, gain = list[Note](), gain_of(models, first)
     if first.form != "exact":
-        parts = [share(models, member) for member in members if member.causes]
-        part = max((value for value in parts if not math.isnan(value)), default=0.0)
+        part = max(share(models, member) for member in members if member.causes)
         against = _takes_little(first, part, gain)
     if len(members) == 1 or against:
         notes = (*reasons, *against)
@@ -276,6 +304,10 @@ def _set(
         )
         reasons = (*reasons, CauseNote("not-separated", text, [first.name], probability))
     names = tuple(dict.fromkeys(name for one in members for name in sorted(one.names)))
+    looks = _looks(models, first)
+    if not any(cause.listed for one in members for cause in one.causes):
+        return _with(verdict, "unexplained", (), None, (*looks, *reasons), models, first, gain)
+    reasons = (*(note for note in looks if note.code == LOOKS[1]), *reasons)
     verdict = replace(verdict, members=members)
     return _with(verdict, "ambiguous", names, first, reasons, models, first, gain)
 

@@ -53,6 +53,10 @@ FEWEST_IN_RUN, FEWEST_SMOOTH = 8, 15
 """Readings that a run needs for `ar1`, and a table for `smooth`: with fewer the prior decides.
 Chosen."""
 
+DISCREPANT = 3.0
+"""Standard deviation of the half-normal prior of s, in errors: a model with an error of fifty is no
+better than one that misses by them. Chosen."""
+
 _MOST_DENSE = 1000  # readings of a table, whose covariance is a matrix
 _WAVES = np.pi * np.arange(32)  # of `slow`, over a run; chosen: enough for the shortest
 _RAREST = 1e-12  # least variance of a wave of `slow`, over the largest; chosen
@@ -69,6 +73,7 @@ class Form:
     name = "white"
     names: tuple[str, ...] = ("kappa",)
     factor = 1.0  # of the errors; where it is larger a cheaper model will do
+    is_compared = True  # with others by its evidence
 
     def __init__(self, problem: Problem) -> None:
         self.problem, self.n = problem, len(problem.y)
@@ -138,6 +143,16 @@ class Form:
         """Middle, standard deviation, lowest and highest of each hyperparameter."""
         middle, sd, low, high = np.array([HYPER[name] for name in self.names]).reshape(-1, 4).T
         return middle.copy(), sd.copy(), low.copy(), high.copy()
+
+    def hyperprior(self, h: Array) -> Array:
+        """Minus the logarithm of the prior density of hyperparameters, (points, d), over that of a
+        standard normal law at its middle."""
+        middle, sd, _, _ = self.limits()
+        each = 0.5 * ((h - middle) / sd) ** 2 + np.log(sd)
+        if "s" in self.names and self.is_compared:
+            k, most = self.names.index("s"), DISCREPANT
+            each[:, k] = 0.5 * np.exp(2.0 * h[:, k]) / most**2 - h[:, k] + math.log(0.5 * most)
+        return np.asarray(np.sum(each, axis=1))
 
     def sizes(self, h: Array) -> dict[str, float]:
         """Hyperparameters as they are told, s in the median error of a table."""
@@ -399,6 +414,7 @@ class Slow(Form):
 
     name = "slow"
     names = ("kappa", "s", "lasts")
+    is_compared = False
 
     def __init__(self, problem: Problem) -> None:
         super().__init__(problem)

@@ -243,12 +243,12 @@ def evidence(
 
     total = 0.0
     if form.names:
-        middle, sd, low, high = form.limits()
+        _, sd, low, high = form.limits()
         first = every[len(every) // 2]
 
         def loss(points: Array) -> Array:
-            price = 0.5 * np.sum(((points - middle) / sd) ** 2, axis=1)
-            losses = price - _possible(lambda some: values(some, first)[0], points)
+            fits = _possible(lambda some: values(some, first)[0], points)
+            losses = form.hyperprior(points) - fits
             return np.where(np.isfinite(losses), losses, _IMPOSSIBLE)
 
         step = _STEP_H  # of a long record the likelihood narrows as 1/sqrt(n)
@@ -257,8 +257,7 @@ def evidence(
         h, second = _minimum(loss, np.clip(h, low, high), low, high, step)
         # At the edge of a range the curvature says little: no more than the prior is left open.
         scale = np.maximum(np.linalg.eigvalsh(second), 1.0 / np.max(sd) ** 2)
-        total -= 0.5 * float(np.sum(np.log(scale))) + float(np.sum(np.log(sd)))
-        total -= 0.5 * float(np.sum(((h - middle) / sd) ** 2))
+        total -= 0.5 * float(np.sum(np.log(scale))) + float(form.hyperprior(h[None])[0])
     results = [[part[0] for part in values(h[None], precision)] for precision in every]
     best = int(np.argmax([one[0] for one in results]))
     total += float(logsumexp([one[0] for one in results])) - math.log(len(every))

@@ -18,11 +18,8 @@ class Search:
     descents: tuple[int, ...] = (12, 5, 4, 2)  # most from a scan in each stage, then as stated
     followed: int = 4  # starts of the first scan at a time; later ones only beyond a hill
     between: int = 3  # places on the way at which a hill is looked for
-    strata: int = 12  # of constants known in range only, in a second scan
-    doubtful: float = 0.2  # p-value below which that follows: a right model pays in one case of 5
     apart: float = 0.7  # distance of starts that lead elsewhere
     same: float = 0.05  # distance below which ends are one
-    rivals: int = 8  # single causes from whose constants it is fitted again
     # First looks at single causes.
     views: int = 3  # ends and stated constants about which they are looked for, beside the null
     looked_at: int = 6  # starts of each whose cost is asked
@@ -31,7 +28,6 @@ class Search:
     margin: float = 30.0  # cost above the best one from which a model is given up
     places: int = 9  # of a scan of a relaxed constant
     widened: float = 8.0  # how far it goes, stated sds: a wrong estimate is rarely farther off
-    small: tuple[float, ...] = (0.15,)  # amplitudes tried, with the usual one, about the null
     # Rounds beside leaders.
     leaders: int = 3  # looked beside in a round: with fewer a near twin is missed
     rounds: int = 4  # most of them
@@ -45,9 +41,6 @@ class Search:
     behind: float = 12.0  # log posterior odds of a promise below its leader that end a fit
     more: int = 6  # causes tried about a leader, of each kind of neighbour
     better: float = 1.0  # growth of a log-evidence, or fall of a cost, that counts as one
-    pays: float = 0.5  # part of chi-square that a round leaves, far from the data, if one follows
-    comfortable: float = 1.1  # chi-square per row up to which hardly more than errors is left
-    explains: float = 0.01  # p-value from which on two causes leave nothing to a third
     rare: float = 0.05  # chance of noise as small as a further cause needs to lead
     other_forms: int = 4  # models fitted with each further form of the discrepancy
     refitted: float = 0.1  # most log-evidence a reading by which it beats its linear model

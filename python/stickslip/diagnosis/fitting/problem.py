@@ -88,6 +88,8 @@ class Problem(OneLine):
     laws : callable, optional
         ``laws(problem, x)`` are laws of a free shape as causes, for constants at the coordinates
         `x`: where no listed cause explains the data.
+    unlisted : callable, optional
+        ``unlisted(problem, x)`` are effects that nobody listed, which compete and are not claimed.
     wider : callable, optional
         ``wider(problem, causes)`` is the problem with further, last causes.
     forward : callable, optional
@@ -113,6 +115,7 @@ class Problem(OneLine):
     low_fidelity: Model | None = None
     laws: Callable[[Problem, Array], Sequence[Cause]] | None = field(default=None, repr=False)
     wider: Callable[[Problem, Sequence[Cause]], Problem] | None = field(default=None, repr=False)
+    unlisted: Callable[[Problem, Array], Sequence[Cause]] | None = field(default=None, repr=False)
     forward: Forward | None = field(default=None, repr=False)
     words: Vocabulary = field(default_factory=Vocabulary, repr=False)
     rivals: Rivals = field(default_factory=Rivals, repr=False)

@@ -25,7 +25,7 @@ from stickslip.diagnosis.fitting.descent import (
     precision_of,
     run_batched,
 )
-from stickslip.diagnosis.fitting.forms import Exact, Form, Softened, forms
+from stickslip.diagnosis.fitting.forms import Form, Softened, forms
 from stickslip.diagnosis.fitting.models import (
     Fit,
     covariance_beside,
@@ -35,14 +35,19 @@ from stickslip.diagnosis.fitting.models import (
     minimise,
     sharpened,
 )
-from stickslip.diagnosis.fitting.options import DESCENT, SEARCH
+from stickslip.diagnosis.fitting.options import SEARCH
 from stickslip.diagnosis.fitting.problem import Problem, lack_of_fit
 from stickslip.diagnosis.fitting.responses import USUAL, Probe, Response, responses
-from stickslip.diagnosis.fitting.starts import first_looks, looked, seen_in, separated, softened
+from stickslip.diagnosis.fitting.starts import first_looks, looked, seen_in, softened
 from stickslip.diagnosis.terms.cause import Cause
 
 Progress = Callable[[float, str], None]
 """``progress(fraction, stage)`` is told the fraction that is done and what comes next."""
+
+
+_ALIKE = 0.1
+"""Sum of squares, in errors of readings and of what is stated, by which models differ that are the
+same. Chosen."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +80,8 @@ class Models:
         self._beside: dict[Fit, Array] = {}
         # Of sets of causes with a law, the probabilities of its forms.
         self.of_forms: dict[frozenset[str], dict[str, float]] = {}
+        # What nobody listed that predicts the same as a set of causes.
+        self.twins: dict[frozenset[str], str] = {}
 
     def add(self, new: Fit) -> Fit:
         """Keep a fit if it is the best of its model."""
@@ -138,6 +145,22 @@ class Models:
             with contextlib.suppress(np.linalg.LinAlgError):
                 self._beside[fit] = covariance_beside(self.problem, fit)
         return self._beside[fit]
+
+    def without_twins(self) -> None:
+        """Leave out what nobody listed where it predicts what a listed cause does; tell its name.
+
+        It cannot be told from that by any data of this kind, and would only take a name away.
+        """
+        count = len(self.problem.constants)
+        singles = [fit for fit in self.leaders(form="exact") if len(fit.causes) == 1]
+        for fit in singles:
+            for other in singles if not fit.causes[0].listed else ():
+                apart = self.problem.whitened((fit.residual - other.residual)[:, None])
+                moved = fit.x[:count] - other.x[:count]
+                if other.causes[0].listed and np.sum(apart**2) + np.sum(moved**2) < _ALIKE:
+                    self.twins[other.names] = fit.name
+                    for form in self.forms:
+                        self.best.pop((fit.names, form), None)
 
     def leaders(self, count: int | None = None, form: str | None = None) -> list[Fit]:
         """Models by their posterior, the best first."""
@@ -207,15 +230,15 @@ def search(
         new = new if reaches else [fit for fit in new if fit is new[0] or len(fit.causes) > 1][:2]
         if not new:
             break
-        before = models.leaders(1, "exact")[0].chi2
         for leader in new:
             done[leader.names] = leader.log_evidence
             if models.begun < most:
                 _look_beside(models, leader)
         _fit_other_forms(models)
-        _fit_exact_again(models)
-        pays = models.leaders(1, "exact")[0].chi2 < SEARCH.pays * before
-        if not reaches and not pays and models.leaders(1)[0].names in done:
+        first = models.leaders(1)[0]
+        if models.get(first.names) is None:  # a leader by another form gets the plain fit first
+            models.add_fits([Start("exact", first.causes, first.x, first)])
+        if not reaches and models.leaders(1)[0].names in done:
             break
     compared = [fit for fit in models.leaders() if fit in _near(models) or not fit.causes]
     sharper = [sharpened(problem, models.forms[fit.form], fit) for fit in compared]
@@ -243,12 +266,10 @@ def _near(models: Models) -> list[Fit]:
 
 
 def _worth_a_look(models: Models) -> list[Fit]:
-    """The leaders, each set of causes once; where none leaves little, more single causes too, and
-    the pair that is best with the errors as stated.
+    """The leaders, each set of causes once.
 
-    A cause that is one of two may be far behind by itself, and one that is a third hidden by a
-    discrepancy. Laws are too many for that: only the leader and those with a law are taken. Of a
-    simulation, what is behind a discrepancy without a cause is no leader.
+    Of laws, which are many, only the leader and those with a law are taken. Of a simulation, what
+    is behind a discrepancy without a cause is no leader.
     """
     sets: dict[frozenset[str], Fit] = {}
     for fit in _near(models):
@@ -259,11 +280,6 @@ def _worth_a_look(models: Models) -> list[Fit]:
     if any(cause.curve for cause in models.offered):
         first = models.leaders(1)[0]
         return [fit for fit in fits if fit is first or any(cause.curve for cause in fit.causes)]
-    best = models.leaders(form="exact")
-    if best[0].chi2 > SEARCH.comfortable * len(models.problem.y):
-        singles = [fit for fit in best if len(fit.causes) == 1][: 2 * SEARCH.leaders]
-        pairs = [fit for fit in best if len(fit.causes) == 2][:1]
-        fits += [fit for fit in (*singles, *pairs) if fit.names not in sets]
     return fits
 
 
@@ -283,39 +299,6 @@ def _fit_singles(models: Models, ends: Sequence[End], causes: Sequence[Cause]) -
             for end, cause in hopeful]  # fmt: skip
     models.add_fits(fits[:1])
     models.add_fits(fits[1:])
-    # The recalibrated model gets as many searches as its rivals, from where they are.
-    singles = [fit for fit in models.leaders(form="exact") if len(fit.causes) == 1][: SEARCH.rivals]
-    constants = len(problem.constants)
-    rivals = [fit.x for fit in separated(singles, lambda fit: fit.x[:constants], SEARCH.apart)]
-    if short is not problem:  # those that a fit of the beginning leaves apart from the null
-        walks = [minimise(short, Exact(short), (), x) for x in (models.null.x, *rivals)]
-        walked = (fit.x for fit in run_batched(short, walks))
-        rivals = list(separated(walked, lambda x: x, SEARCH.same))[1:]
-    models.add_fits([Start("exact", (), x) for x in rivals])
-    _nest_singles(models, causes)
-
-
-def _nest_singles(models: Models, causes: Sequence[Cause]) -> None:
-    """Fit causes that are behind the recalibrated model again, from where it is.
-
-    No fit is worse than what it contains: where a cause promises too little there, its fit is the
-    linear model.
-    """
-    problem, null, exact = models.problem, models.null, models.forms["exact"]
-
-    def behind(cause: Cause) -> bool:
-        fit, reaches = models.get([cause.name]), null.cost < models.cost_bound
-        return fit is None or (reaches and fit.cost > null.cost + DESCENT.settled)
-
-    best: dict[str, Response] = {}
-    sizes, worse = (*SEARCH.small, USUAL), [cause for cause in causes if behind(cause)]
-    for response in responses(problem, null.end, (), worse, exact, null.h, sizes, cheap=True):
-        best.setdefault(response.cause.name, response)
-    models.add_fits([
-        Start("exact", (response.cause,), response.x, response)
-        for response in best.values() if response.gain > SEARCH.better
-    ])  # fmt: skip
-    screened(models, [one for one in best.values() if behind(one.cause)], ["exact"])
 
 
 def _least_fall(models: Models, leader: Fit) -> float:
@@ -329,20 +312,19 @@ def _leaves_too_little(models: Models, leader: Fit) -> bool:
 
     Its log-evidence would be half the fall of the cost larger, and ln 2 where it has one side only.
     Of a simulation, none is sought that has to fit as well as right models rarely do, unless the
-    leader does so: then the stated errors are large. A third is for where two leave a misfit.
+    leader does so: then the stated errors are large.
     """
     plain, problem = models.get(leader.names), models.problem
     if plain is None:
         return False
     n, dof, x = len(problem.y), problem.freedom, plain.x[plain.free]
-    explains = lack_of_fit(problem, plain.chi2, n - len(plain.free)) >= SEARCH.explains
     fall = _least_fall(models, leader) - 2.0 * math.log(2.0)
     # Misfit and prior of a right model have the law of the misfit at its true coordinates.
     size = plain.chi2 + float(x @ plain.precision @ x)
     left = size - fall if math.isinf(dof) else (dof + size) * math.exp(-fall / (dof + n)) - dof
     rare, usual = (1.0 - lack_of_fit(problem, each, n) for each in (left, size))
     needs_luck = problem.effort.early and rare < SEARCH.rare <= usual
-    return needs_luck or (explains and len(leader.causes) > 1) or plain.cost < fall
+    return needs_luck or plain.cost < fall
 
 
 def _look_beside(models: Models, leader: Fit) -> None:
@@ -364,7 +346,9 @@ def _look_beside(models: Models, leader: Fit) -> None:
         more, third = rest == leader.causes, len(rest) > 1
         if third and not more:
             continue  # looks beside each pair exchange the third
-        offered = [cause for cause in models.offered if cause not in (*rest, *leader.causes)]
+        alone = all(cause.listed for cause in rest)  # one that is not may join
+        offered = [cause for cause in models.offered if cause not in (*rest, *leader.causes)
+                   and (cause.listed or alone)]  # fmt: skip
         least = problem.effort.worth if more else -math.inf
         if third:
             least = _least_fall(models, leader)
@@ -454,26 +438,3 @@ def _fit_other_forms(models: Models) -> None:
         if effort.early and leaders[:1] == models.leaders(1):
             # The model without a cause gets as many searches as its rivals, from where they are.
             models.add_fits([Start(name, (), fit.x, h=fit.h) for fit in leaders])
-
-
-def _fit_exact_again(models: Models) -> None:
-    """Fit models with the errors as stated from where others fit better, so that none is worse
-    than what it contains. A leader that has no such fit gets it first.
-
-    With another form: where predictions jump, a descent may stop before a jump that wider errors
-    let it pass.
-    """
-    exact, first = models.forms["exact"], models.leaders(1)[0]
-    if models.get(first.names) is None:
-        models.add_fits([Start("exact", first.causes, first.x, first)])
-    starts = []
-    for old in models.leaders(form="exact"):
-        for other in models.best.values():
-            alike = other.names == old.names
-            if other is old or not (alike or (other.form == "exact" and other.names < old.names)):
-                continue
-            cost = exact.cost(other.residual[None, :], np.zeros(0))[0]
-            free = other.x[old.free]
-            if float(cost + free @ old.precision @ free) < old.cost - SEARCH.better:
-                starts.append(Start("exact", old.causes, other.x, other if alike else None))
-    models.add_fits(starts)

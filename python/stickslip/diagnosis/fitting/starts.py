@@ -27,7 +27,7 @@ from stickslip.diagnosis.fitting.descent import (
 from stickslip.diagnosis.fitting.forms import Form, Softened, forms
 from stickslip.diagnosis.fitting.models import Fit, minimise
 from stickslip.diagnosis.fitting.options import DESCENT, SEARCH
-from stickslip.diagnosis.fitting.problem import FINE, Problem, lack_of_fit
+from stickslip.diagnosis.fitting.problem import FINE, Problem
 from stickslip.diagnosis.fitting.responses import Response, responses
 from stickslip.diagnosis.terms.cause import Cause
 
@@ -35,11 +35,7 @@ _Item = TypeVar("_Item")
 
 
 def recalibrated(problem: Problem, seed: int) -> tuple[Fit, list[End]]:
-    """The model without a cause from starts all over the priors, and the ends at larger errors.
-
-    Where the first starts end with a misfit, others from a second scan follow, of all strata of the
-    constants that are known in range only: a wrong minimum would be taken for a hidden cause.
-    """
+    """The model without a cause from starts all over the priors, and the ends at larger errors."""
     if seed in problem.nulls:
         best, ends = problem.nulls[seed]
         return best, [*ends]
@@ -48,11 +44,7 @@ def recalibrated(problem: Problem, seed: int) -> tuple[Fit, list[End]]:
     count = SEARCH.scan if len(problem.constants) > 1 else SEARCH.scan // 4
     starts = list(separated(_scan(problem, count, seed), lambda x: x, SEARCH.apart))
     fits, ends = _descended(problem, exact, starts, SEARCH.followed)
-    if problem.constants and lack_of_fit(problem, fits[0].chi2, len(problem.y)) < SEARCH.doubtful:
-        starts = _strata(problem, _scan(problem, SEARCH.scan, seed + 1))
-        again, more = _descended(problem, exact, starts, len(starts))
-        fits, ends = [*fits, *again], sorted([*ends, *more], key=lambda end: end.cost)
-    best = min(fits, key=lambda fit: fit.cost)
+    best = fits[0]
     if whole is not problem:
         exact = forms(whole, ["exact"])["exact"]
         best = finished(whole, minimise(whole, exact, (), best.x))
@@ -109,18 +101,6 @@ def _scan(problem: Problem, count: int, seed: int) -> Array:
     soft = Softened(problem, *DESCENT.stages[0])
     cost = soft.cost(problem.residuals(x, True), np.zeros(0)) + np.sum(x[:, :p] ** 2, axis=1)
     return np.asarray(x[np.argsort(cost, kind="stable")])
-
-
-def _strata(problem: Problem, points: Array) -> list[Array]:
-    """The best point of each stratum of the constants that are known in range only."""
-    wide = [k for k, constant in enumerate(problem.constants) if not constant.is_stated]
-    chosen = list(separated(points, lambda point: point, SEARCH.apart))[: SEARCH.strata // 2]
-    for k in wide:
-        count = max(SEARCH.strata // len(wide), 3)
-        edges = np.quantile(points[:, k], np.linspace(0.0, 1.0, count + 1))
-        place = np.searchsorted(edges[1:-1], points[:, k])
-        chosen += [points[np.flatnonzero(place == stratum)[0]] for stratum in np.unique(place)]
-    return chosen
 
 
 def seen_in(problem: Problem, fit: Fit) -> Fit:

@@ -56,6 +56,8 @@ class Cause(OneLine):
         parameters. Forms of one law have one name.
     odds : float
         Prior probability beside that of a listed cause.
+    listed : bool
+        Whether it may be claimed; others compete, and are said.
     between : (float, float), optional
         Of an event: the times between which it happens, s.
 
@@ -77,6 +79,7 @@ class Cause(OneLine):
     curve: Curve | None = None
     between: tuple[float, float] | None = None
     odds: float = 1.0
+    listed: bool = True
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or self.name in ("", "none") or "+" in self.name:

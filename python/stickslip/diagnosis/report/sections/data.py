@@ -65,7 +65,7 @@ def numbers(facts: Facts) -> Numbers:
     compared: Numbers = {"sides": sides, "paired": paired} if sides else {}
     return {
         "name": "Diagnosis" if source is None else source.name,
-        "offered": len(facts.findings.models.offered), "of_measurement": source is not None,
+        "offered": sum(cause.listed for cause in facts.findings.models.offered), "of_measurement": source is not None,
         "seed": facts.findings.seed, "version": VERSION,
         "notes": sorted(notes, key=lambda row: bool(row["routine"])),
         "left_out": [text for note, text in lost if note.code not in SAID_FIRST],

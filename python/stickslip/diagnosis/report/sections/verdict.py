@@ -6,7 +6,7 @@ import math
 from typing import TypedDict
 
 from stickslip.diagnosis.decision.facts import Facts
-from stickslip.diagnosis.decision.verdict import Kind
+from stickslip.diagnosis.decision.verdict import LOOKS, Kind
 
 
 class Numbers(TypedDict):
@@ -16,6 +16,8 @@ class Numbers(TypedDict):
     """The name for `named` and `dominant`; a list for `pair` and `ambiguous`; else null."""
     reasons: list[str]
     """Sentences on what the verdict rests on."""
+    looks: list[str]
+    """Sentences on what nobody listed: what it looks like, or which scale is off."""
     data_problem: list[str]
     """For `data-problem`: what the check compares, how large the finding is, what to do."""
     probabilities: dict[str, float]
@@ -45,6 +47,7 @@ def numbers(facts: Facts) -> Numbers:
         "verdict": verdict.kind,
         "cause": only or list(verdict.causes) or None,
         "reasons": list(map(words.note, verdict.reasons)),
+        "looks": [words.note(note) for note in verdict.reasons if note.code in LOOKS],
         "data_problem": words.data_problem(verdict.reasons[0]) if refused else [],
         "probabilities": dict(verdict.probabilities),
         "tests": {"lack_of_fit": test.lack_of_fit, "score": test.score},
