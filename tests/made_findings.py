@@ -1,5 +1,6 @@
 """Diagnoses of a toy model whose truth is known."""
 
+import copy
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +11,7 @@ from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.decision.verdict import Verdict
 from stickslip.diagnosis.entry import diagnose_model
 from stickslip.diagnosis.fitting.problem import Cached, Problem
+from stickslip.diagnosis.fitting.search import Start
 from stickslip.diagnosis.model import relaxed
 from stickslip.diagnosis.pipeline import run
 from stickslip.diagnosis.result import Diagnosis
@@ -49,6 +51,15 @@ def toy(truth, error=0.0, seed=3):
     forward = lambda at, values: predict(np.asarray(at, dtype=float), values)  # noqa: E731
     model = Cached(lambda v: predict(x, v))
     return Diagnosis(run(Problem((table,), model, CONSTANTS, causes, forward=forward), 0))
+
+
+def with_pairs(result):
+    """The same with each further cause fitted beside the best ones, where a search looks for none."""
+    models, best = copy.copy(result.findings.models), result.best.fit
+    models.best = dict(models.best)
+    more = [cause for cause in models.offered if cause not in best.causes]
+    models.add_fits([Start(best.form, (*best.causes, cause), best.x, h=best.h) for cause in more])
+    return replace(result, findings=replace(result.findings, models=models))
 
 
 def friction(seed=1):

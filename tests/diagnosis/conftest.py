@@ -8,7 +8,7 @@ import made_findings as made
 @pytest.fixture(scope="session")
 def named():
     """One cause, and errors as stated."""
-    return made.toy(made.TRUTH)
+    return made.with_pairs(made.toy(made.TRUTH))
 
 
 @pytest.fixture(scope="session")
@@ -20,4 +20,4 @@ def none():
 @pytest.fixture(scope="session")
 def rough():
     """One cause, and scatter that is no cause: a report of it has every number."""
-    return made.toy(made.TRUTH, error=0.12)
+    return made.with_pairs(made.toy(made.TRUTH, error=0.12))

@@ -151,8 +151,9 @@ def test_a_leader_that_takes_most_is_told_first_though_it_is_not_named(rough):
             rough, "unexplained", fit=None, causes=(), leader=leader, reasons=(reason,)
         )
         first[name] = told.summary().split("\n")[0]
+    part = amounts.percent(rough.candidate("bump").share)
     assert first["bump"].startswith(
-        "A bump in the middle takes 85 % of the model's squared error, but is not named: a"
+        f"A bump in the middle takes {part} of the model's squared error, but is not named: a"
         " bump in the middle predicts held-out readings worse"
     )
     assert first["wave"].startswith("Something is wrong that none of the 5 listed causes explains.")

@@ -98,18 +98,19 @@ def diagnose_model(
 
 
 def _unlisted(predict: Any, problem: Problem, x: Array) -> list[Cause]:
-    """Effects that nobody listed; a ready-made model has states at coordinates `x` of each record.
-    """
+    """Effects that nobody listed; a ready-made model has states at coordinates `x` of each record."""
     tables = [getattr(table, "whole", None) or table for table in problem.tables]
-    listed = [cause.name for cause in problem.causes]
     if not hasattr(predict, "kind"):
-        return unlisted(tables, listed)
+        return unlisted(tables, problem.causes)
     constants = [one.name.partition("[") for one in problem.constants]
     values = problem.physical(x[None])[0]
     states = []
     for table in tables:
-        p = {name: np.array([[value]]) for (name, _, of), value in zip(constants, values)
-             if of in ("", f"{table.name}]")}
+        p = {
+            name: np.array([[value]])
+            for (name, _, of), value in zip(constants, values)
+            if of in ("", f"{table.name}]")
+        }
         bare, mine = table.having(unit="-"), dict[str, Array]()
         for reads, (state, _) in predict.kind.reads.items():
             if state < min(len(predict.kind.states), 2):
@@ -118,7 +119,7 @@ def _unlisted(predict: Any, problem: Problem, x: Array) -> list[Cause]:
             ambient = table.inputs.get("ambient", predict.middles.get("ambient", table.y[0]))
             mine = {"v": mine["x"] - ambient}
         states.append(mine)
-    return unlisted(tables, listed, states, predict.kind.inputs)
+    return unlisted(tables, problem.causes, states, predict.kind.inputs)
 
 
 def in_pieces(

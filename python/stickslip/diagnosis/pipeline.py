@@ -60,14 +60,15 @@ def run(
                 wider = problem.wider(problem, laws)
                 models = models.widened(wider, wider.causes)
                 search(models, [], laws, say)
-        if problem.unlisted and problem.wider and models.reaches:
+        if problem.unlisted and problem.wider:
             say(0.8, "effects that nobody listed")
             shapes = problem.unlisted(problem, models.null.x)
             wider = problem.wider(problem, shapes)
-            models = models.widened(wider, wider.causes)
-            models.add_fits([*_far_scales(wider, wider.causes[-len(shapes) :])])
-            search(models, [], wider.causes[-len(shapes) :], say)
-            models.without_twins()
+            shapes, models = wider.causes[-len(shapes) :], models.widened(wider, wider.causes)
+            models.add_fits([*_far_scales(wider, shapes)])
+            if models.reaches:
+                search(models, [], shapes, say)
+                models.without_twins()
         models = with_forms(models)
     say(0.9, "deciding")
     if models.null.cost < null.cost - _BETTER:

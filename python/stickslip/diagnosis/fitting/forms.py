@@ -73,7 +73,7 @@ class Form:
     name = "white"
     names: tuple[str, ...] = ("kappa",)
     factor = 1.0  # of the errors; where it is larger a cheaper model will do
-    is_compared = True  # with others by its evidence
+    largest = math.inf  # standard deviation of the half-normal prior of s; else it is log-normal
 
     def __init__(self, problem: Problem) -> None:
         self.problem, self.n = problem, len(problem.y)
@@ -149,8 +149,8 @@ class Form:
         standard normal law at its middle."""
         middle, sd, _, _ = self.limits()
         each = 0.5 * ((h - middle) / sd) ** 2 + np.log(sd)
-        if "s" in self.names and self.is_compared:
-            k, most = self.names.index("s"), DISCREPANT
+        if math.isfinite(self.largest):
+            k, most = self.names.index("s"), self.largest
             each[:, k] = 0.5 * np.exp(2.0 * h[:, k]) / most**2 - h[:, k] + math.log(0.5 * most)
         return np.asarray(np.sum(each, axis=1))
 
@@ -240,6 +240,7 @@ class Correlated(Whitening):
 
     name = "ar1"
     names = ("kappa", "s", "tau")
+    largest = DISCREPANT
 
     def __init__(self, problem: Problem) -> None:
         super().__init__(problem)
@@ -414,7 +415,6 @@ class Slow(Form):
 
     name = "slow"
     names = ("kappa", "s", "lasts")
-    is_compared = False
 
     def __init__(self, problem: Problem) -> None:
         super().__init__(problem)

@@ -65,8 +65,8 @@ def numbers(facts: Facts) -> Numbers:
     compared: Numbers = {"sides": sides, "paired": paired} if sides else {}
     return {
         "name": "Diagnosis" if source is None else source.name,
-        "offered": sum(cause.listed for cause in facts.findings.models.offered), "of_measurement": source is not None,
-        "seed": facts.findings.seed, "version": VERSION,
+        "offered": sum(cause.listed for cause in facts.findings.models.offered),
+        "of_measurement": source is not None, "seed": facts.findings.seed, "version": VERSION,
         "notes": sorted(notes, key=lambda row: bool(row["routine"])),
         "left_out": [text for note, text in lost if note.code not in SAID_FIRST],
         "gaps": [text for note, text in (*lost, *told) if note.code in SAID_FIRST],
