@@ -69,7 +69,6 @@ def of_decision() -> dict[str, list[Patch]]:
 @cache
 def of_search() -> dict[str, list[Patch]]:
     """The rules of search and noise, each off."""
-    none: Callable[..., None] = lambda *_, **__: None  # noqa: E731
     values = {
         "other forms of few": {"other_forms": 99},
         "other forms of what gains": {"refitted": 99.0},
@@ -82,7 +81,6 @@ def of_search() -> dict[str, list[Patch]]:
         for name, each in values.items()
     }
     rules |= {
-        "exact fits again": [(search, "_fit_exact_again", none)],
         "what leaves too little": [(search, "_leaves_too_little", lambda *_: False)],
         "promise of a neighbour": [(search, "_may_improve", lambda *_: True)],
         "forms of a law": [(pipeline, "with_forms", lambda each: each)],

@@ -54,7 +54,7 @@ def toy(truth, error=0.0, seed=3):
 
 
 def with_pairs(result):
-    """The same with each further cause fitted beside the best ones, where a search looks for none."""
+    """The same with each further cause fitted beside the best ones: a search looks for none."""
     models, best = copy.copy(result.findings.models), result.best.fit
     models.best = dict(models.best)
     more = [cause for cause in models.offered if cause not in best.causes]

@@ -53,7 +53,7 @@ size, length = left["size"]["speeds"], left["correlation"]["speeds"]
 print(f"left by step_out: {1e6 * size:.0f} um/s, correlated over {length:.0f} readings")
 
 worth = result.separate({"frequency": np.array([5.0, 20.0, 60.0, 90.0, 150.0, 250.0])})
-print(worth[["frequency", "separation", "first", "second"]].round(1))
+print(worth[["frequency", "separation"]].round(1))
 
 
 figure = Figure(figsize=(7, 3.6), layout="constrained")

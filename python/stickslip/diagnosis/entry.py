@@ -98,7 +98,7 @@ def diagnose_model(
 
 
 def _unlisted(predict: Any, problem: Problem, x: Array) -> list[Cause]:
-    """Effects that nobody listed; a ready-made model has states at coordinates `x` of each record."""
+    """Effects that nobody listed; a ready-made model has states, at coordinates `x`."""
     tables = [getattr(table, "whole", None) or table for table in problem.tables]
     if not hasattr(predict, "kind"):
         return unlisted(tables, problem.causes)
@@ -108,7 +108,7 @@ def _unlisted(predict: Any, problem: Problem, x: Array) -> list[Cause]:
     for table in tables:
         p = {
             name: np.array([[value]])
-            for (name, _, of), value in zip(constants, values)
+            for (name, _, of), value in zip(constants, values, strict=False)
             if of in ("", f"{table.name}]")
         }
         bare, mine = table.having(unit="-"), dict[str, Array]()

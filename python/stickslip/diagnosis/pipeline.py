@@ -16,8 +16,9 @@ from stickslip.diagnosis.decision.verdict import Verdict, decide
 from stickslip.diagnosis.fitting.descent import finished
 from stickslip.diagnosis.fitting.law_forms import with_forms
 from stickslip.diagnosis.fitting.models import Fit, minimise, sharpened
+from stickslip.diagnosis.fitting.options import SEARCH
 from stickslip.diagnosis.fitting.problem import FAR_OFF, Problem
-from stickslip.diagnosis.fitting.responses import responses
+from stickslip.diagnosis.fitting.responses import USUAL, responses
 from stickslip.diagnosis.fitting.search import Models, Progress, Start, screened, search
 from stickslip.diagnosis.fitting.starts import recalibrated
 from stickslip.diagnosis.terms.cause import Cause
@@ -49,14 +50,9 @@ def run(
         models.add(null)
         search(models, ends, problem.causes, say)
         if problem.laws and problem.wider and models.reaches:
-            # Where the likeliest causes leave more than the errors as they are stated, or are one
-            # on each of two sides, which may be one that both have.
-            names = models.leaders(1)[0].names
-            plain, sides = models.get(names), {name.partition("[")[2] for name in names}
-            misfit = plain is None or goodness_of_fit(models.problem, plain) < GOF_LEVEL
-            if misfit or len(sides) > 1:
-                say(0.8, "laws of a free shape")
-                laws = problem.laws(problem, models.null.x)
+            say(0.8, "laws of a free shape")
+            laws = _rivals(problem, models)
+            if laws:
                 wider = problem.wider(problem, laws)
                 models = models.widened(wider, wider.causes)
                 search(models, [], laws, say)
@@ -79,6 +75,27 @@ def run(
     verdict = Verdict("data-problem", (), None, (fault,)) if fault else decide(models, test)
     say(1.0, "done")
     return Findings(models, test, effects, verdict, seed)
+
+
+def _rivals(problem: Problem, models: Models) -> list[Cause]:
+    """Laws that may compete with the likeliest causes: all, where these leave more than the errors.
+
+    They are also tried where these are one on each of two sides, which may be one that both have;
+    else those that promise to first order to come near what explains the data.
+    """
+    assert problem.laws is not None
+    assert problem.wider is not None
+    names, null = models.leaders(1)[0].names, models.null
+    plain, sides = models.get(names), {name.partition("[")[2] for name in names}
+    laws = [*problem.laws(problem, null.x)]
+    if plain is None or goodness_of_fit(models.problem, plain) < GOF_LEVEL or len(sides) > 1:
+        return laws
+    wider = problem.wider(problem, laws)
+    models = models.widened(wider, ())
+    null, exact, least = models.null, models.forms["exact"], null.cost - plain.cost - SEARCH.behind
+    promised = responses(wider, null.end, (), laws, exact, null.h, (USUAL,), cheap=True)
+    promising = {one.cause.name for one in promised if one.gain > least}
+    return [law for law in laws if law.name in promising]
 
 
 def _far_scales(problem: Problem, shapes: Sequence[Cause]) -> Iterator[Start]:

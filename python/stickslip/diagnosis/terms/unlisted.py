@@ -211,9 +211,9 @@ def _instruments(record: Series, units: Mapping[str, str]) -> Iterator[Cause]:
 
 def _formula(cause: Cause) -> tuple[Any, ...]:
     """What two causes of one formula have alike, of those that `instruments` makes."""
-    of = cause.acts or cause.read
-    what = (of.func, cause.acts and of.args[0]) if isinstance(of, partial) else (of,)
-    return cause.input, *what
+    of: Any = cause.acts or cause.read
+    changes = [each for each in getattr(of, "args", ())[:1] if callable(each)]
+    return cause.input, getattr(of, "func", of), *changes
 
 
 def _scaled(name: str, values: Array, given: Array, p: Mapping[str, Array], table: Table) -> Array:
