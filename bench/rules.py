@@ -70,8 +70,6 @@ def of_decision() -> dict[str, list[Patch]]:
 def of_search() -> dict[str, list[Patch]]:
     """The rules of search and noise, each off."""
     values = {
-        "other forms of few": {"other_forms": 99},
-        "other forms of what gains": {"refitted": 99.0},
         "wide constants": {"widened": 1.0},
         "three causes": {"most_causes": 2},
         "three leaders": {"leaders": 1}, "bound of far fits": {"margin": math.inf},

@@ -8,7 +8,7 @@ from command_line import files_up_to, stickslip
 from measured_maps import formula_map
 from pictures import recorded, walking
 from stickslip import Accelerations, Waveform, diagnose_model, plot
-from stickslip._util.columns import write_frame
+from stickslip.cli.output import write_frame
 from stickslip.scenario.toml_file import write_scenario
 from toys import LEVEL, SLOPE, WAVE, data, line
 

@@ -45,13 +45,11 @@ def test_zero_and_nearly_zero_are_one_setting():
     assert table.condition.tolist() == [0, 0, 1, 2]
 
 
-def test_texts_tell_conditions_apart_and_have_no_place():
+def test_texts_tell_conditions_apart():
     settings = {"oil": ["thin", "thin", "thick", "thin"], "load": [1, 2, 1, 1]}
     table = Table(settings, [1.0, 2.0, 3.0, 4.0], sd=0.1)
     assert table.condition.tolist() == [0, 1, 2, 0]
-    assert table.places.tolist() == [[1.0], [2.0], [1.0]]
     assert table["oil"].tolist() == settings["oil"]
-    assert Table({"oil": ["a", "b"]}, [1.0, 2.0], sd=0.1).places is None
 
 
 def test_the_error_is_that_of_repeats_if_it_is_not_stated():

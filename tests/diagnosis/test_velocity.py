@@ -3,7 +3,6 @@
 import dataclasses
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from made_velocities import SCENARIO, drives, measurement, trials, velocities
@@ -114,16 +113,3 @@ def test_conditions_that_the_stated_model_refuses_are_left_out():
     assert len(found.mean) == len(found.conditions) == found.condition.max() + 1 == 6
     assert np.all(np.isfinite(found.stated))
     assert found.predict([], np.zeros((1, 0)))[0] == pytest.approx(found.stated, rel=1e-3)
-
-
-def test_places_are_the_settings_that_vary():
-    table = pd.concat([drives(peak=3e-3), drives(peak=4e-3, mode="OPP")])
-    found = VelocityTable(measurement(trials(table=table.fillna({"mode": "IPP"}))))
-    frequency, peak, opp, back = found.places.T
-    assert np.exp(frequency).tolist() == pytest.approx(
-        [each["drive.frequency"] for each in found.conditions]
-    )
-    assert peak.tolist() == [each["drive.peak"] for each in found.conditions]
-    assert opp.tolist() == [each["drive.mode"] == "OPP" for each in found.conditions]
-    assert back.tolist() == [each["drive.direction"] == "-x" for each in found.conditions]
-    assert found.group.tolist() == list(range(16))

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -34,7 +34,7 @@ from stickslip._util.cells import (
     CsvTable,
     number,
 )
-from stickslip._util.files import read_bytes, replacing
+from stickslip._util.files import read_bytes
 from stickslip._util.messages import refuse, shown
 from stickslip._util.note import Note
 from stickslip._util.recipes import VALID, Match, Recipe
@@ -42,9 +42,6 @@ from stickslip._util.text import counted, plain, shortened
 from stickslip._util.units import split_unit
 from stickslip._util.workbook import sheet_text
 from stickslip.errors import ScenarioError, prefixed
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 Line = int | str
 """Number of a line in a file, or the index label of a row in memory."""
@@ -527,14 +524,6 @@ def sound_numbers(
             text = f"{table.name}: the column {name} has {counted(gaps, 'cell')} without a number."
             left_out.append(Note("gaps", text, gaps))
     return {name: values[sound] for name, values in there.items()}, left_out
-
-
-def write_frame(frame: pd.DataFrame, path: str | PathLike[str]) -> None:
-    """Write a table as CSV, whole or not at all; headings name the units of ``attrs["units"]``."""
-    units = frame.attrs.get("units", {})
-    named = {name: f"{name} ({unit})" for name, unit in units.items() if unit not in ("", "-", "1")}
-    with replacing(path) as temporary:
-        frame.rename(columns=named).to_csv(temporary, index=False)
 
 
 def describe_table(table: SourceTable, means: Mapping[str, str]) -> list[str]:

@@ -6,7 +6,7 @@ import contextlib
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -14,6 +14,9 @@ import stickslip
 from stickslip._util import files
 from stickslip._util.text import json_text, printable
 from stickslip.errors import ScenarioError, prefixed
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 MOST_ROWS = 50
 """Points that are printed. Chosen: about one page; of a longer table the ends of each column."""
@@ -96,6 +99,14 @@ def write_new(name: str, path: Path, text: str) -> None:
         files.check_writable(path)
     files.write_together({path: files.text_writer(text)})
     say(f"wrote {path}")
+
+
+def write_frame(frame: pd.DataFrame, path: Path) -> None:
+    """Write a table as CSV, whole or not at all; headings name the units of ``attrs["units"]``."""
+    units = frame.attrs.get("units", {})
+    named = {name: f"{name} ({unit})" for name, unit in units.items() if unit not in ("", "-", "1")}
+    with files.replacing(path) as temporary:
+        frame.rename(columns=named).to_csv(temporary, index=False)
 
 
 def drawn(option: str, path: Path | None, draw: Callable[[Path], object]) -> bool:

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import stickslip
-from stickslip._util.columns import write_frame
 from stickslip._util.messages import shown, suggestion
 from stickslip.cli import options, output
 from stickslip.scenario.scenario import load_uncertain
@@ -110,7 +109,7 @@ def command(
         text = f"{failed} of {count} draws failed and are in no quantile; the first: "
         output.say(f"stickslip: {text}{data.attrs['message']}", err=True)
     if out is not None and out.suffix.lower() == ".csv":
-        write_frame(stickslip.sweep_dataframe(data), out)
+        output.write_frame(stickslip.sweep_dataframe(data), out)
     elif out is not None:
         write(data, out)
     done = output.drawn("--plot", plot, output.save_plot("velocity", whole))

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import stickslip
-from stickslip._util.columns import write_frame
 from stickslip.cli import options, output
 from stickslip.errors import ScenarioError
 from stickslip.scenario.scenario import load_with
@@ -92,7 +91,7 @@ def command(
     else:
         _print(data, table)
     if as_csv and out is not None:
-        write_frame(table, out)
+        output.write_frame(table, out)
     if failed := int(data.attrs["failed_points"]):
         first = next(filter(None, table["message"]))
         output.say(f"stickslip: {failed} of {count} points failed; the first: {first}", err=True)

@@ -102,15 +102,11 @@ def _unlisted(predict: Any, problem: Problem, x: Array) -> list[Cause]:
     tables = [getattr(table, "whole", None) or table for table in problem.tables]
     if not hasattr(predict, "kind"):
         return unlisted(tables, problem.causes)
-    constants = [one.name.partition("[") for one in problem.constants]
-    values = problem.physical(x[None])[0]
-    states = []
+    names = [one.name.partition("[") for one in problem.constants]
+    values, states = problem.physical(x[None])[0, : len(names)].tolist(), list[Any]()
     for table in tables:
-        p = {
-            name: np.array([[value]])
-            for (name, _, of), value in zip(constants, values, strict=False)
-            if of in ("", f"{table.name}]")
-        }
+        p = {name: np.array([[value]]) for (name, _, of), value in zip(names, values, strict=True)
+             if of in ("", f"{table.name}]")}  # fmt: skip
         bare, mine = table.having(unit="-"), dict[str, Array]()
         for reads, (state, _) in predict.kind.reads.items():
             if state < min(len(predict.kind.states), 2):

@@ -51,8 +51,7 @@ def run(
         search(models, ends, problem.causes, say)
         if problem.laws and problem.wider and models.reaches:
             say(0.8, "laws of a free shape")
-            laws = _rivals(problem, models)
-            if laws:
+            if laws := _rivals(problem, models):
                 wider = problem.wider(problem, laws)
                 models = models.widened(wider, wider.causes)
                 search(models, [], laws, say)
@@ -62,9 +61,8 @@ def run(
             wider = problem.wider(problem, shapes)
             shapes, models = wider.causes[-len(shapes) :], models.widened(wider, wider.causes)
             models.add_fits([*_far_scales(wider, shapes)])
-            if models.reaches:
-                search(models, [], shapes, say)
-                models.without_twins()
+            search(models, [], shapes, say)
+            models.without_twins()
         models = with_forms(models)
     say(0.9, "deciding")
     if models.null.cost < null.cost - _BETTER:
@@ -78,10 +76,10 @@ def run(
 
 
 def _rivals(problem: Problem, models: Models) -> list[Cause]:
-    """Laws that may compete with the likeliest causes: all, where these leave more than the errors.
+    """Laws that may compete with the likeliest causes.
 
-    They are also tried where these are one on each of two sides, which may be one that both have;
-    else those that promise to first order to come near what explains the data.
+    All, where these leave more than the errors or are one on each of two sides, which may be one of
+    both; else those that promise to first order to come near.
     """
     assert problem.laws is not None
     assert problem.wider is not None

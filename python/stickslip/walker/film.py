@@ -98,7 +98,6 @@ class FilmTable(SimulatedTable):
         # columns share no unit.
         self.group = np.zeros(len(sd), dtype=np.int64)
         self.run, self.order = np.repeat(np.arange(len(counts)), counts), number_of.astype(float)
-        self.places = None
         self.nuisance = self._uncertain()
         self.instruments = of_films(film.columns["theta"][self.columns["theta"][0]])
 

@@ -93,7 +93,6 @@ class VelocityTable(SimulatedTable):
             note = Note("no-block-column", text)
             self.errors = replace(self.errors, notes=(*self.errors.notes, note))
         self.instruments = of_velocities(self.mean)
-        self.places = _places(self.conditions)
         self.group = np.arange(len(self.conditions), dtype=np.int64)
         keys = self.conditions[0]
         self.settings = {
@@ -289,19 +288,3 @@ def _rank(key: tuple[tuple[str, Value], ...]) -> tuple[object, ...]:
         if not isinstance(value, str) and name != "drive.frequency"
     ]
     return (*words, *numbers, float(dict(key).get("drive.frequency", 0.0)))
-
-
-def _places(conditions: Conditions) -> Array | None:
-    """Settings that vary, as numbers, shape (m, d); None where none does.
-
-    The frequency by its logarithm; each mode and direction but the first by a column of 0 and 1.
-    """
-    columns = []
-    for key in ("frequency", "peak", "hold", "base"):
-        column = np.array([float(drive[f"drive.{key}"]) for drive in conditions])
-        columns.append(np.log(column) if key == "frequency" else column)
-    for key in ("drive.mode", "drive.direction"):
-        words = np.array([str(drive[key]) for drive in conditions])
-        columns += [(words == word).astype(float) for word in np.unique(words)[1:]]
-    varying = [column for column in columns if np.ptp(column) > 0.0]
-    return np.stack(varying, axis=1) if varying else None

@@ -160,7 +160,7 @@ class Series(Table):
         count = len(self.t)
         self.settings = {"t": self.t, **self.inputs}
         self.condition = self.first = np.arange(count)
-        self.mean, self.places = self.y, None
+        self.mean = self.y
         self.run, self.order = np.zeros(count, dtype=np.int64), np.arange(count, dtype=float)
         self.group = np.arange(count) * min(STRETCHES, count) // count
         if sd is None:

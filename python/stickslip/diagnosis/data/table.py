@@ -85,8 +85,6 @@ class Table:
         Mean of each condition.
     errors : Errors
         Of `mean`.
-    places : ndarray, shape (m, d), or None
-        Numbers of the conditions that vary, over which a discrepancy may be smooth.
     run, order : ndarray, shape (m,), or None
         Run of each condition and its place in it, along which a discrepancy may be correlated. Of
         runs with the same conditions in one order these are the means.
@@ -104,7 +102,6 @@ class Table:
 
     run: Indices | None = None
     order: Array | None = None
-    places: Array | None = None
     settings: Any
     whole: Table | None = None
     """The table that a model predicts, of which this one has the rows `kept`; this one, if None."""
@@ -165,9 +162,6 @@ class Table:
         number = {key: k for k, key in enumerate(dict.fromkeys(keys))}
         self.condition = np.array([number[key] for key in keys], dtype=np.int64)
         self.first = np.unique(self.condition, return_index=True)[1]
-        numeric = [values[self.first] for values in read.values() if values.dtype.kind == "f"]
-        varying = [column for column in numeric if np.ptp(column) > 0.0]
-        self.places = np.stack(varying, axis=1) if varying else None
         self.group = np.arange(len(number), dtype=np.int64)
         stated = None if stated is None else stated[~gap]
         self.mean, self.errors = estimate(self.y, self.condition, sd=stated, run=runs, block=blocks)

@@ -104,8 +104,7 @@ class Candidate(OneLine):
 
         Keys are `form`; `kappa`, the scatter in the stated errors; `size`, of each table in the
         unit of its readings; for ``ar1`` `correlation`, how many places of a run it lasts in each
-        table; for ``smooth`` `length`, in half the range of a setting. Of the form ``exact`` no
-        more than the first.
+        table. Of the form ``exact`` no more than the first.
         """
         fit, problem = self.fit, self.models.problem
         if fit.form == "exact":
@@ -122,11 +121,7 @@ class Candidate(OneLine):
                 spans = [np.ptp(table.order[table.run == run]) for run in np.unique(table.run)]
                 lasts[name] = fit.sizes["tau"] * float(np.median(spans))
         left: dict[str, Any] = {"form": fit.form, "kappa": kappa, "size": sizes}
-        if fit.form == "ar1":
-            left["correlation"] = lasts
-        if fit.form == "smooth":
-            left["length"] = fit.sizes["l"]
-        return left
+        return left | {"correlation": lasts} if fit.form == "ar1" else left
 
     @property
     def prediction(self) -> DataFrame:

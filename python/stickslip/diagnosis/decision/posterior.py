@@ -22,6 +22,8 @@ EXCHANGE = 5.9
 """Fall of chi-square by which a claim fits better than with another cause in its place: 19:1 by
 likelihood alone, as `SURE` is by probability."""
 
+_HARDLY = 3.0  # standard deviations of a chi-square; chosen
+
 SURE = 0.95
 """Probability that a claim asks for, and that a set holds. The usual choice."""
 
@@ -89,22 +91,14 @@ def posterior(models: Models) -> Posterior:
     return Posterior(fits, {fit.name: by_set[fit.names] for fit in fits}, causes)
 
 
-def discrepancy(fit: Fit) -> float:
-    """Mean square of what a model leaves beyond the stated errors, in them: s^2 + kappa^2 - 1."""
-    if fit.form == "exact":
-        return 0.0
-    return fit.sizes.get("s", 0.0) ** 2 + max(fit.sizes["kappa"] ** 2 - 1.0, 0.0)
-
-
 def share(models: Models, fit: Fit) -> float:
-    """Part that a fit takes of the squares that the recalibrated model leaves, from 0 to 1.
+    """Part that a fit takes of the squares that no cause leaves beyond the errors, by plain fits.
 
-    Both are of plain fits, beyond what the errors leave by themselves; NaN where without a cause
-    there is hardly more than these: less than three standard deviations of a chi-square.
+    NaN where that is hardly more than the errors leave by themselves.
     """
     plain, null, n = models.get(fit.names) or fit, models.null, len(models.problem.y)
     whole, left = (one.chi2 - (n - len(one.free)) for one in (null, plain))
-    if whole < 3.0 * math.sqrt(2.0 * n):
+    if whole < _HARDLY * math.sqrt(2.0 * n):
         return math.nan
     return min(max(1.0 - left / whole, 0.0), 1.0)
 

@@ -17,7 +17,6 @@ from stickslip.diagnosis.decision.posterior import (
     SURE,
     Posterior,
     as_likely,
-    discrepancy,
     posterior,
     share,
 )
@@ -32,13 +31,11 @@ CLAIMS = ("named", "dominant", "pair")
 """Kinds that claim a cause."""
 
 DOMINANT = 0.7
-"""Share of the model's error that a dominant cause takes at least. Chosen on 192
-logs with a model error beside the cause: with 0.8 a sixth fewer right ones are claimed, and of 96
-causes that are not listed 8 for 11; with 0.6 hardly more right ones."""
+"""Share that a dominant cause takes at least. Chosen: with 0.8 a sixth fewer right ones are claimed
+beside a model error, with 0.6 hardly more."""
 
 NEARLY_ALL = 0.9
-"""Share from which on a cause needs no proof by held-out readings: little is left that could have
-been taken for it. Chosen on 180 logs of which it names 5 more, all rightly."""
+"""Share from which on a cause needs no proof by held-out readings. Chosen on 180 logs."""
 
 SECOND = 0.1
 """Part by which a further cause lowers the held-out error at least. Chosen with the prototype."""
@@ -70,7 +67,7 @@ class Verdict(OneLine):
         Models that stay open: the smallest set with 95 %, or a pair and the smaller models than
         which it did not predict better.
     share : float, optional
-        Part of the model's error that `fit`, or else the leader, takes.
+        Part of the squares that `fit`, or else the leader, takes.
     leader : Fit, optional
         The model with a cause that was judged, or else the most probable one.
     gain : Gain, optional
@@ -125,6 +122,9 @@ def decide(models: Models, test: MisfitTest) -> Verdict:
         return _beside_unlisted(verdict, models, sorted({*sure} - rivals))
     most = next(fit for fit in chance.fits if fit.names & set(sure))
     claim = _with_more(verdict, models, chance, most, sure)
+    if claim.claims and (twin := models.twins.get(frozenset(claim.causes))):
+        note = CauseNote("unlisted-twin", "{} would do the same as {}.", [twin, *claim.causes])
+        claim = replace(claim, reasons=(*claim.reasons, note))
     alike = as_likely(models, claim.fit) if claim.claims and claim.fit else []
     return _set(verdict, models, chance, (), (claim.fit, *alike)) if alike and claim.fit else claim
 
@@ -205,15 +205,11 @@ def _with_more(
 
 
 def _refused(whole: Fit, member: Fit, further: Gain) -> Note:
-    others = sorted(whole.names - member.names)
-    fall = 1.0 - further.after / further.before
-    number = ("second", "third")[len(member.causes) - 1]
+    others, fall = sorted(whole.names - member.names), 1.0 - further.after / further.before
     pair = " + ".join(["{}"] * len(others)), " + ".join(["{}"] * len(member.names))
-    text = f"{pair[0]} beside {pair[1]} lowers the held-out error by {100.0 * fall:.0f} %"
-    if fall <= 0.0:
-        text = f"{pair[0]} beside {pair[1]} does not lower the held-out error."
-    elif fall < SECOND:
-        text += f" only; a {number} cause needs {100.0 * SECOND:.0f} %."
+    text = f"{pair[0]} beside {pair[1]} lowers the held-out error by {100.0 * max(fall, 0.0):.0f} %"
+    if fall < SECOND:
+        text += f"; a further cause needs {100.0 * SECOND:.0f} %."
     else:
         text += ", which may be chance: the 95 % interval includes zero."
     return CauseNote("second-cause-predicts-nothing", text, (*others, *sorted(member.names)), fall)
@@ -241,7 +237,7 @@ def _claimed(verdict: Verdict, models: Models, fit: Fit, reasons: tuple[Note, ..
     kind: Kind = "pair" if len(names) > 1 else "named" if explains else "dominant"
     if plain and explains:
         # Errors that are larger, or alike along a run, leave more of the sizes open.
-        likelier = fit if discrepancy(fit) > 0.0 else plain
+        likelier = plain if fit.form == "white" and fit.sizes["kappa"] <= 1.0 else fit
         return _with(verdict, kind, names, likelier, reasons, models, plain, gain)
     return _with(verdict, kind, names, beside, reasons, models, beside, gain)
 

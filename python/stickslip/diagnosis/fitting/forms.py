@@ -5,12 +5,10 @@ times the stated errors (Kennedy and O'Hagan, J. R. Stat. Soc. B 63, 425, 2001).
 
 ``exact``
     d = 0 and kappa = 1: the errors are as stated, or Student's where their size was estimated.
-``white``
-    Only kappa is free.
 ``ar1``
     First-order correlated along each run, with size s and correlation time tau.
-``smooth``
-    A squared-exponential process over the settings of each table, with size s and length l.
+``white``
+    Only kappa is free, where no table has runs.
 ``slow``
     Such a process along each run, with size s, that lasts for a part of it. No verdict compares it,
     as it would take what a cause does: it tells how far a size may be off.
@@ -33,29 +31,25 @@ from stickslip.diagnosis.data.errors import Errors
 from stickslip.diagnosis.data.table import Table
 from stickslip.diagnosis.fitting.problem import LOST, Problem
 
-PRIOR = {"exact": 1 / 2, "white": 1 / 6, "ar1": 1 / 6, "smooth": 1 / 6}
-"""Prior probabilities of the forms. Chosen; between 0.1 and 0.99 for exact hardly a verdict of the
-prototype changed."""
+PRIOR = {"exact": 3 / 4, "white": 1 / 4, "ar1": 1 / 4}
+"""Prior probabilities of the forms, of which data allow two. Chosen; between 0.1 and 0.99 for exact
+hardly a verdict of the prototype changed."""
 
 HYPER = {
     "kappa": (0.0, 0.7, math.log(0.1), math.log(100.0)),
     "s": (0.0, 2.0, -5.0, 8.0),
     "tau": (math.log(0.03), 1.0, math.log(1e-4), math.log(0.1)),
-    "l": (0.0, 0.5, math.log(0.5), math.log(4.0)),
     "lasts": (math.log(0.2), 0.7, math.log(0.03), 0.0),
 }
 """Middle, standard deviation and range of the logarithms of kappa; s over the median error of its
-table; tau and `lasts` over the span of a run; l over half the range of a setting. Chosen: with
-longer tau a discrepancy takes what a cause does, with shorter l the causes of a table over one
-setting."""
+table; tau and `lasts` over the span of a run. Chosen: with longer tau a discrepancy takes what a
+cause does."""
 
-FEWEST_IN_RUN, FEWEST_SMOOTH = 8, 15
-"""Readings that a run needs for `ar1`, and a table for `smooth`: with fewer the prior decides.
-Chosen."""
+FEWEST_IN_RUN = 8
+"""Readings that a run needs for `ar1`: with fewer the prior decides. Chosen."""
 
 DISCREPANT = 3.0
-"""Standard deviation of the half-normal prior of s, in errors: a model with an error of fifty is no
-better than one that misses by them. Chosen."""
+"""Standard deviation of the half-normal prior of s, in errors: one of fifty is none. Chosen."""
 
 _MOST_DENSE = 1000  # readings of a table, whose covariance is a matrix
 _WAVES = np.pi * np.arange(32)  # of `slow`, over a run; chosen: enough for the shortest
@@ -145,8 +139,7 @@ class Form:
         return middle.copy(), sd.copy(), low.copy(), high.copy()
 
     def hyperprior(self, h: Array) -> Array:
-        """Minus the logarithm of the prior density of hyperparameters, (points, d), over that of a
-        standard normal law at its middle."""
+        """Minus the log prior density of (points, d), over that of a standard normal's middle."""
         middle, sd, _, _ = self.limits()
         each = 0.5 * ((h - middle) / sd) ** 2 + np.log(sd)
         if math.isfinite(self.largest):
@@ -359,57 +352,6 @@ class Correlated(Whitening):
         return middle, sd, low, high
 
 
-class Smooth(Whitening):
-    """``smooth``: over the settings of each table by itself."""
-
-    name = "smooth"
-    names = ("kappa", "s", "l")
-
-    def __init__(self, problem: Problem) -> None:
-        super().__init__(problem)
-        self._apart: list[tuple[slice, Array, Array]] = []
-        for table, part in zip(problem.tables, problem.rows, strict=True):
-            if not _is_smooth(table):
-                self.unit[part] = 0.0
-                continue
-            places = np.asarray(table.places)
-            z = 2.0 * places / np.ptp(places, axis=0)  # in half ranges
-            units = np.zeros((self.n, len(z)))
-            units[part] = np.diag(self.unit[part])
-            apart = np.sum((z[:, None] - z) ** 2, axis=2)
-            self._apart.append((part, apart, problem.whitened(units)[part]))
-        self._factors: tuple[bytes, list[Array]] = b"", []
-
-    def _factored(self, h: Array) -> list[Array]:
-        """Cholesky factors of the tables' covariances, in whitened rows."""
-        if self._factors[0] != h.tobytes():
-            kappa2, s2, length2 = np.exp(2.0 * h)
-            factors = []
-            for _, apart, units in self._apart:
-                process = units @ np.exp(-0.5 * apart / length2) @ units.T
-                factors.append(np.linalg.cholesky(s2 * process + kappa2 * np.eye(len(apart))))
-            self._factors = h.tobytes(), factors
-        return self._factors[1]
-
-    def _whitened(self, columns: Array, h: Array) -> Array:
-        result = columns * math.exp(-h[0])
-        for (part, *_), lower in zip(self._apart, self._factored(h), strict=True):
-            # By LAPACK itself: the checks of a wrapper cost more than a table of some tens of rows.
-            result[part], _ = lapack.dtrtrs(lower.T, columns[part], lower=0, trans=1)
-        return result
-
-    def log_det(self, h: Array) -> float:
-        total, others = self.problem.log_det, self.n
-        for (part, *_), lower in zip(self._apart, self._factored(h), strict=True):
-            total += 2.0 * float(np.sum(np.log(np.diag(lower))))
-            others -= part.stop - part.start
-        return total + 2.0 * others * float(h[0])
-
-    def begin(self, residual: Array) -> Array:
-        size = float(np.std(residual / self.problem.sd))
-        return np.array([0.0, math.log(max(size, 0.3)), math.log(0.6)])
-
-
 class Slow(Form):
     """``slow``, in O(n): by cosines along runs (Solin and Sarkka, Stat. Comput. 30, 419, 2020)."""
 
@@ -454,16 +396,6 @@ class Slow(Form):
         return np.array([0.0, math.log(max(size, 0.3)), HYPER["lasts"][0]])
 
 
-def _is_smooth(table: Table) -> bool:
-    """Whether a discrepancy may be smooth over the settings.
-
-    Along runs, and over a single setting, it would take what each cause does.
-    """
-    fits = FEWEST_SMOOTH <= len(table.mean) <= _MOST_DENSE
-    varied = 0 if table.places is None else table.places.shape[1]
-    return fits and varied > 1 and not _has_runs(table)
-
-
 def _has_runs(table: Table) -> bool:
     return table.run is not None and int(np.bincount(table.run).max()) >= FEWEST_IN_RUN
 
@@ -481,12 +413,9 @@ def _is_slow(table: Table, errors: Errors) -> bool:
 
 def forms(problem: Problem, wanted: Sequence[str] = tuple(PRIOR)) -> dict[str, Form]:
     """The forms of the discrepancy that the data allow."""
-    allowed = [Exact(problem), Form(problem)]
     pairs = list(zip(problem.tables, problem.errors, strict=True))
-    if any(_along_runs(*pair) for pair in pairs):
-        allowed.append(Correlated(problem))
+    runs = any(_along_runs(*pair) for pair in pairs)
+    allowed = [Exact(problem), Correlated(problem) if runs else Form(problem)]
     if "slow" in wanted and any(_is_slow(*pair) for pair in pairs):
         allowed.append(Slow(problem))
-    if any(_is_smooth(table) for table in problem.tables):
-        allowed.append(Smooth(problem))
     return {form.name: form for form in allowed if form.name in wanted}

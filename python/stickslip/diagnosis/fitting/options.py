@@ -31,10 +31,7 @@ class Search:
     # Rounds beside leaders.
     leaders: int = 3  # looked beside in a round: with fewer a near twin is missed
     rounds: int = 4  # most of them
-    # Of a long record: probes of a cause beside a leader, and the factor of the stated errors above
-    # which a second look beside it finds nothing new: a gain that counts is of two such errors.
-    likeliest: int = 4
-    looked: float = 0.5
+    likeliest: int = 4  # probes of a cause beside a leader, of a long record
     most_fits: int = 250  # after which none is looked beside: a pair takes 160
     most_causes: int = 3  # of a model
     near: float = 6.0  # log posterior odds within which models are refined
@@ -42,8 +39,6 @@ class Search:
     more: int = 6  # causes tried about a leader, of each kind of neighbour
     better: float = 1.0  # growth of a log-evidence, or fall of a cost, that counts as one
     rare: float = 0.05  # chance of noise as small as a further cause needs to lead
-    other_forms: int = 4  # models fitted with each further form of the discrepancy
-    refitted: float = 0.1  # most log-evidence a reading by which it beats its linear model
 
 
 @dataclass(frozen=True)
@@ -58,7 +53,6 @@ class Effort:
     # Beside the best model, with the usual one, where precise readings leave little room.
     smaller: tuple[float, ...] = (0.002, 0.02, 0.15)
     worth: float = 2.0  # least fall of the cost that one more has to promise
-    room: float = 30.0  # log odds behind the best of its form from which a promise is not fitted
     early: bool = False  # end fits of what is not near once slopes as they are promise no lead
     # A fall by this part of the cost ends a descent; of whole runs, of the cost beyond that of one
     # error in each row, as models that explain the data are compared by where they end.
@@ -99,7 +93,5 @@ class Descent:
 
 
 SEARCH, DESCENT, SMOOTH = Search(), Descent(), Effort()
-JUMPING = Effort(
-    elsewhere=(0.6, 2.0), smaller=(0.15,), worth=4.0, room=12.0, early=True, rough=0.02
-)
+JUMPING = Effort(elsewhere=(0.6, 2.0), smaller=(0.15,), worth=4.0, early=True, rough=0.02)
 """Of a simulation with events: a small gain may be a jump, and a fit follows jumps for long."""

@@ -12,6 +12,7 @@ import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -147,10 +148,7 @@ class Models:
         return self._beside[fit]
 
     def without_twins(self) -> None:
-        """Leave out what nobody listed where it predicts what a listed cause does; tell its name.
-
-        It cannot be told from that by any data of this kind, and would only take a name away.
-        """
+        """Leave out what nobody listed where it does what a listed cause does; keep its name."""
         count = len(self.problem.constants)
         singles = [fit for fit in self.leaders(form="exact") if len(fit.causes) == 1]
         for fit in singles:
@@ -220,11 +218,12 @@ def search(
     most, done = models.begun + SEARCH.most_fits, {frozenset[str](): models.null.log_evidence}
     for turn in range(SEARCH.rounds):
         say(0.3 + 0.5 * turn / SEARCH.rounds, "comparing models")
-        new = [fit for fit in _worth_a_look(models)
-               if fit.log_evidence > done.get(fit.names, -math.inf) + SEARCH.better
-               and not (fit.names in done and (
-                   (problem.is_long and fit.form == "white" and fit.sizes["kappa"] > SEARCH.looked)
-                   or _leaves_too_little(models, fit)))]  # fmt: skip
+        new = [
+            fit
+            for fit in _worth_a_look(models)
+            if fit.log_evidence > done.get(fit.names, -math.inf) + SEARCH.better
+            and not (fit.names in done and _leaves_too_little(models, fit))
+        ]
         # Where the best model leaves ten errors in each row, few looks beside others explain more.
         reaches = models.reaches
         new = new if reaches else [fit for fit in new if fit is new[0] or len(fit.causes) > 1][:2]
@@ -403,38 +402,29 @@ def _may_improve(
 
 
 def _fit_other_forms(models: Models) -> None:
-    """Fit the most promising models with each further form of the discrepancy, and every single
-    cause: twins are to be compared in the same form. Of a simulation, a cause that promises far
-    less than the likeliest model of any form keeps its linear model.
+    """Fit models with a discrepancy, where they promise to be near the likeliest of that form, as
+    twins are to be compared in one form; of a simulation near that of any form.
     """
-    effort = models.problem.effort
-    # The last one first: it has scatter too, so that it is seldom far behind the others.
-    for name in [form for form in reversed(models.forms) if form != "exact"]:
-        hopes = []
-        for rank, old in enumerate(models.leaders(form="exact")):
-            known = hope = models.get(old.names, name)
-            # A fit beside a large discrepancy may have stayed where the cause does nothing.
-            far = known is not None and known.chi2 > old.chi2 + SEARCH.margin
-            if known is None or (far and rank < SEARCH.other_forms):
-                hope = models.linear(old, name)
-            if hope is None:
-                continue
+    name, early, hopes = [*models.forms][-1], models.problem.effort.early, list[Any]()
+    for old in models.leaders(form="exact"):
+        known = hope = models.get(old.names, name)
+        # A fit beside a large discrepancy may have stayed where the cause does nothing.
+        if known is None or known.chi2 > old.chi2 + SEARCH.margin:
+            hope = models.linear(old, name)
+        if hope is not None:
             better = known is None or hope.log_evidence > known.log_evidence + SEARCH.better
             hopes.append((models.log_posterior(hope), old, hope, better))
-        hopes.sort(key=lambda hope: -hope[0])
-        starts = []
-        best = models.log_posterior(models.leaders(1)[0]) if effort.early else -math.inf
-        room = effort.room + SEARCH.refitted * len(models.problem.y)
-        for rank, (promised, old, hope, better) in enumerate(hopes):
-            behind = max(best, hopes[0][0]) - promised
-            near = len(old.causes) < 2 and behind < SEARCH.behind
-            hopeful = rank < SEARCH.other_forms and behind < room
-            if better and (near or hopeful or not (old.causes or effort.early)):
-                starts.append(Start(name, old.causes, old.x, old, hope.h))
-            elif better and len(old.causes) < 2:
-                models.add(hope)  # far behind: the linear model will do
-        models.add_fits(starts)
-        leaders = [fit for fit in models.leaders(SEARCH.leaders, name) if fit.causes]
-        if effort.early and leaders[:1] == models.leaders(1):
-            # The model without a cause gets as many searches as its rivals, from where they are.
-            models.add_fits([Start(name, (), fit.x, h=fit.h) for fit in leaders])
+    most = max(hope[0] for hope in hopes)
+    if early:
+        most = max(most, models.log_posterior(models.leaders(1)[0]))
+    starts = []
+    for promised, old, hope, better in sorted(hopes, key=lambda hope: -hope[0]):
+        if better and (most - promised < SEARCH.behind or not (old.causes or early)):
+            starts.append(Start(name, old.causes, old.x, old, hope.h))
+        elif better and len(old.causes) < 2:
+            models.add(hope)
+    models.add_fits(starts)
+    leaders = [fit for fit in models.leaders(SEARCH.leaders, name) if fit.causes]
+    if early and leaders[:1] == models.leaders(1):
+        # The model without a cause gets as many searches as its rivals, from where they are.
+        models.add_fits([Start(name, (), fit.x, h=fit.h) for fit in leaders])

@@ -51,19 +51,11 @@ def unlisted(
     tables: Sequence[Table], listed: Collection[Cause],
     states: Sequence[Mapping[str, Array]] = (), units: Mapping[str, str] = MappingProxyType({}),
 ) -> list[Cause]:  # fmt: skip
-    """Make the effects that nobody listed of some tables.
+    """Make the effects that nobody listed of tables, as they are predicted.
 
-    Parameters
-    ----------
-    tables : sequence of Table
-        As they are predicted.
-    listed : collection of Cause
-        Listed causes, whose shapes are left out.
-    states : sequence of dict of ndarray, shape (n,)
-        Of the recalibrated model in each record, ``x`` and ``v`` or ``v`` alone; they act with the
-        first of the inputs.
-    units : dict
-        SI units of inputs, by name.
+    Shapes of `listed` causes are left out. `states` are those of the recalibrated model in each
+    record, ``x`` and ``v`` or ``v`` alone, shape (n,), which act with the first of its inputs;
+    `units` are the inputs' SI units by name.
     """
     made = [_shaped(tables, None, *each) for each in _of_readings(tables).items()]
     records = [table for table in tables if isinstance(table, Series)]
@@ -87,7 +79,7 @@ def unlisted(
 
 
 def at_scale(cause: Cause, factor: float) -> dict[str, float]:
-    """The coordinate of a scale at a factor above 0; nothing of another cause."""
+    """The coordinate of a scale at a factor; nothing of another cause."""
     return {one.name: one.coordinate(math.log(factor)) for one in cause.parameters
             if one.name.endswith(_FACTOR)}  # fmt: skip
 

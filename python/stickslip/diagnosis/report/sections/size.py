@@ -154,8 +154,6 @@ def _left(facts: Facts, candidate: Candidate) -> list[str]:
             lasts = amounts.number(left["correlation"][name] * (table.step or 1.0), 2)
             what = f"length of {lasts} readings" if table.step is None else f"time of {lasts} s"
             text += f" with a correlation {what}"
-        elif "length" in left:
-            text += f", smooth over {amounts.percent(left['length'] / 2.0)} of a setting's range"
         level = float(np.mean(np.abs(problem.y[part])))
         errors = amounts.number(float(np.median(problem.sd[part])) * factor, 2)
         text += f" ({amounts.percent(size / level)} of their mean)" if 0.0 < size < level else ""
