@@ -21,6 +21,7 @@ FEW = 3
 faults isolated to one, two or three units."""
 OUTCOMES = ("right name", "right set", "large set", "silent", "wrong set", "wrong name",
             "rightly silent")  # fmt: skip
+UNIT = "unit of "  # begins what is said of a wrong unit
 RIVAL = "unlisted "  # begins the names of effects that nobody listed: one member of a set
 LOW = 0.05  # p-value of a test that finds something
 NEAR = 2.0  # standard errors between sizes that two forms of one log give
@@ -39,8 +40,8 @@ class Answer(NamedTuple):
 
     @property
     def claims(self) -> bool:
-        # A problem of the data has a cause if it is a unit.
-        return self.said in CLAIMS or (self.said == "data-problem" and bool(self.causes))
+        # A wrong unit is said without a claim.
+        return self.said in CLAIMS or any(cause.startswith(UNIT) for cause in self.causes)
 
     @property
     def outcome(self) -> str:

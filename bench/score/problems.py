@@ -30,7 +30,7 @@ OF_WALKERS = ("constant 3 sd", "constant 5 sd", "single", "single, correlated", 
 """Families of kinds of walkers in which something listed is hidden."""
 WORDS = {"none": "nothing", "listed": "listed", "unlisted": "not listed"}
 ONE, ALONE = ("rounded", "correlated", "missing"), ("AR 0.5", "AR 0.8", "mean of three")
-READINGS = {"rad/s": ("deg/s", 57.29578), "rad": ("deg", 57.29578), "m": ("mm", 1e3)}
+READINGS = {"rad/s": 57.29578, "rad": 57.29578, "m": 1e3}  # in deg or mm
 SLOW = "wheels"  # measured sets that take a quarter of an hour or more
 MILLI = "torque", "force", "command", "power"  # inputs that may be in a thousandth
 LOGGED = {"held": (2, 5), "lines": (2, 5, 20), "mixed rates": (3,), "mean": (3, 9),
@@ -221,25 +221,22 @@ def of_units() -> Iterator[Problem]:
 
 
 def _of_unit(key: made.Key, what: str) -> Asked:
-    log = made.made(key)
-    words, truth = f"{what} (m", f"unit of {what}"
+    log, truth = made.made(key), f"unit of {what}"
     if what == "time":
         log = log._replace(t=1e3 * log.t)
     elif what == "reading":
-        words, factor = READINGS[log.unit]
-        log = log._replace(y=factor * log.y)
+        log = log._replace(y=READINGS[log.unit] * log.y)
     elif what == "input":
         ((name, u),) = log.inputs.items()
-        words, log = f"{name} (m", log._replace(inputs={name: 1e3 * u})
+        log = log._replace(inputs={name: 1e3 * u})
     else:
-        name, (value, sd) = next(iter(log.stated.items()))
-        words = f"{name} were 1/1000"
-        log = log._replace(stated={**log.stated, name: (1e3 * value, 1e3 * sd)})
+        truth, (value, sd) = next(iter(log.stated.items()))
+        log = log._replace(stated={**log.stated, truth: (1e3 * value, 1e3 * sd)})
 
     def causes(found: Diagnosis) -> Sequence[str]:
-        text = " ".join([found.summary(), *map(str, found.verdict.reasons)])
-        told = found.verdict.kind == "data-problem" or "factor of" in text
-        return [truth] if told and words in text else found.verdict.causes
+        # In a linear machine the scale of the input is that of the readings.
+        said = any(note.code == "another-scale" for note in found.verdict.reasons)
+        return [truth] if said and what in ("reading", "input") else found.verdict.causes
 
     return _of_log(log)._replace(truth=[truth], sizes={}, causes=causes)
 
