@@ -28,7 +28,7 @@ from paper.figures import (
 from paper.statements import judge
 from paper.walks import GRID, Setting, settings_table, survey
 from stickslip import plot
-from stickslip._util.columns import write_frame
+from stickslip.cli.output import write_frame
 
 OUT = Path(__file__).resolve().parents[1] / "results" / "paper"
 

@@ -11,6 +11,7 @@ MODULES = (
     *("decision.cannot_tell", "decision.experiments", "decision.misfit_test"),
     *("decision.posterior", "decision.verdict"),
     *("data.errors", "fitting.forms", "fitting.models", "fitting.options", "fitting.problem"),
+    "terms.unlisted",
 )
 """Modules of `stickslip.diagnosis` whose numbers pages may name."""
 

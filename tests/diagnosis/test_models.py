@@ -77,10 +77,6 @@ def dense(posed, name, h):
         span = np.array([np.ptp(table.order[table.run == run]) for run in table.run])
         apart = np.abs(np.subtract.outer(table.order, table.order)) / span[:, None]
         alike = np.where(table.run[:, None] == table.run, np.exp(-apart / math.exp(h[2])), 0.0)
-    if name == "smooth":
-        z = 2.0 * (table.places - table.places.min(0)) / np.ptp(table.places, axis=0)
-        apart = np.sum((z[:, None] - z) ** 2, axis=2)
-        alike = np.exp(-0.5 * apart / math.exp(2 * h[2]))
     if name == "slow":  # a process that is mirrored at the ends of its run
         begin, end = ([pick(table.order[table.run == run]) for run in table.run]
                       for pick in (np.min, np.max))  # fmt: skip
@@ -103,7 +99,7 @@ def shared_errors(posed):
 # Beside shared errors ar1 is not offered.
 @pytest.mark.parametrize(
     ("name", "shared"),
-    [*itertools.product(("exact", "white", "smooth"), (False, True)), ("ar1", False),
+    [*itertools.product(("exact", "white"), (False, True)), ("ar1", False),
      ("slow", False)],
 )  # fmt: skip
 def test_densities_are_those_of_the_dense_matrix(name, shared):
@@ -188,7 +184,7 @@ def test_a_lost_row_does_not_stop_the_others():
     assert end.x == pytest.approx(fitted(alone).x, abs=1e-3)
 
 
-@pytest.mark.parametrize("name", ["exact", "white", "ar1", "smooth"])
+@pytest.mark.parametrize("name", ["exact", "white", "ar1"])
 @pytest.mark.parametrize("count", [1, 30])
 def test_a_lost_row_has_the_same_price_in_every_form(name, count):
     """A constant residual along a run would be nearly free as a correlated error."""

@@ -25,10 +25,10 @@ from stickslip.diagnosis.terms.cause import Cause
 from stickslip.diagnosis.terms.instruments import delay, lag
 from stickslip.diagnosis.terms.parameter import either_way
 
-_ACTING, _READ, _SLOW, _SCALE = 0.1, 0.05, 0.03, 0.1
-"""Usual size of what acts, in the root mean square of its input, and of an error of a reading, in
-their scatter; part of the largest speed below which a sign is smooth; and usual logarithm of a
-scale. Chosen."""
+ACTING, READ, SCALE, _SLOW = 0.1, 0.05, 0.1, 0.03
+"""Usual size of what acts, in the root mean square of its input, of an error of a reading, in their
+scatter, and of the logarithm of a scale; and part of the largest speed below which a sign is
+smooth. Chosen."""
 
 _FACTOR = ".logarithm"  # ends the name of a scale's parameter
 _FARTHEST = math.log(2e3)  # of a scale; chosen: a wrong prefix
@@ -169,7 +169,7 @@ def _shaped(tables: Sequence[Table], name: str | None, word: str, shape: Shape) 
     pairs = zip(given, tables, strict=True)
     every = np.concatenate([shape(values, table).ravel() for values, table in pairs])
     whole = np.hstack(given)
-    usual = _ACTING * root_mean_square(whole) if name else _READ * float(np.std(whole))
+    usual = ACTING * root_mean_square(whole) if name else READ * float(np.std(whole))
     size = max(usual, 1e-300) / max(root_mean_square(every), 1e-300)
     what = f"unlisted {name or 'reading'} as {word}"
     amplitude = either_way(f"{what}.size", "-", size)
@@ -195,7 +195,7 @@ def _instruments(record: Series, units: Mapping[str, str]) -> Iterator[Cause]:
         yield lag(record.step, input=name or None, name=f"unlisted lag of {of}")
         if not is_of(unit, "K"):  # of temperatures, whose zero is another, it says nothing
             what = f"unlisted scale of {of}"
-            factor = either_way(f"{what}{_FACTOR}", "-", _SCALE, _FARTHEST)
+            factor = either_way(f"{what}{_FACTOR}", "-", SCALE, _FARTHEST)
             read = partial(_scaled, factor.name)
             yield Cause(what, (factor,), f"another scale of {of}", read=read, input=name or None,
                         told=partial(_scale_in_words, name, unit))  # fmt: skip
