@@ -282,12 +282,6 @@ def measured_words():
             f" something, and in {wrongly} of {made} others",
         ],
         "docs/howto/real-cases.md": [
-            f"the asymmetry takes {share['axis, 20 Hz, listed: yes']} of the squared error",
-            "the verdict is `dominant`, with "
-            + real["rows"]["axis, 20 Hz, listed: yes"]["size"].partition(" N s/m")[0],
-            "Means over ten segments name it: "
-            + real["rows"]["axis, ten segments, listed: yes"]["size"].partition(" (")[0],
-            f"beside it (both take {share['axis, four repeats, listed: yes']}) stays open",
             f"a limit of the angles takes {share['tumbler, listed: no']} of",
             f"they take {share['tanks, listed: yes']} of the squared error",
             f"an uneven surface together take {share['slider, listed: yes']}",
